@@ -1,0 +1,42 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <vector>
+
+#include "allan_lio/imu/imu_sample.h"
+
+namespace allan_lio {
+
+/// IMU samples in the order of time, handed out by intervals that need not begin or end on a sample.
+class ImuBuffer {
+ public:
+  /// False, and nothing is kept, if the stamp is not later than the newest one's.
+  bool push(const ImuSample& sample);
+
+  bool empty() const { return samples_.empty(); }
+  std::size_t size() const { return samples_.size(); }
+  TimeNs oldest() const { return samples_.front().stamp; }
+  TimeNs newest() const { return samples_.back().stamp; }
+  const ImuSample& operator[](std::size_t i) const { return samples_[i]; }
+
+  /// The reading at `t`, linear between its neighbours; held beyond either end of the buffer.
+  /// The buffer must not be empty.
+  ImuSample at(TimeNs t) const;
+
+  /// The samples inside (from, to) with the interpolated readings at both ends: 2 or more entries,
+  /// strictly increasing. Requires from < to and a non-empty buffer.
+  std::vector<ImuSample> between(TimeNs from, TimeNs to) const;
+
+  /// Forgets what no interval that begins at or after `t` needs.
+  void discard_before(TimeNs t);
+
+  void clear() { samples_.clear(); }
+
+ private:
+  std::deque<ImuSample> samples_;
+};
+
+}  // namespace allan_lio

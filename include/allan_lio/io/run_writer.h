@@ -1,0 +1,54 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "allan_lio/lio/lio_config.h"
+#include "allan_lio/lio/lio_result.h"
+
+namespace allan_lio {
+
+/// What is known of a run only at its end.
+struct RunSummary {
+  LioCounters counters;
+  double map_megabytes = 0;
+  std::size_t map_voxels = 0;
+  std::vector<std::string> notes;   ///< e.g. the point-time verdict, "bag cut off: ..."
+  std::vector<std::string> inputs;  ///< the bags that were read
+  std::string status = "complete";  ///< or "interrupted", "incomplete: ..."
+};
+
+/// Writes a run's results as they come: DIR/trajectory.tum, DIR/states.csv and, at the end, DIR/summary.yaml.
+class RunWriter {
+ public:
+  /// Creates the directory and opens trajectory.tum and states.csv, replacing those of an earlier run and removing
+  /// its summary.yaml. Throws std::runtime_error naming the path if it cannot.
+  RunWriter(const std::string& directory, const LioConfig& config);
+
+  /// Writes summary.yaml with status "interrupted" if finish() was never called. Never throws.
+  ~RunWriter();
+
+  RunWriter(const RunWriter&) = delete;
+  RunWriter& operator=(const RunWriter&) = delete;
+
+  /// One row each, flushed at least every second of data. `cpu_seconds`: what the scan took [s].
+  void add(const LioResult& result, double cpu_seconds);
+
+  /// Closes both files and writes summary.yaml. Throws std::runtime_error naming the file if any write failed.
+  void finish(const RunSummary& summary);
+
+ private:
+  void write_summary(const RunSummary& summary) const;
+
+  std::string directory_;
+  LioConfig config_;
+  std::ofstream trajectory_, states_;
+  std::vector<double> scan_seconds_;  ///< CPU time of every scan so far [s]
+  TimeNs last_flush_ = 0;
+  bool finished_ = false;
+};
+
+}  // namespace allan_lio

@@ -1,0 +1,72 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+
+#include "allan_lio/imu/nav_state.h"
+#include "allan_lio/lio/localizability.h"
+#include "allan_lio/math/rigid_transform.h"
+
+namespace allan_lio {
+
+/// The estimator's error state: the inertial one, then the LiDAR's extrinsics (right perturbation).
+enum LioIndex : int {
+  kExtrinsicRotation = kNavDof,         ///< [rad], LiDAR frame
+  kExtrinsicTranslation = kNavDof + 3,  ///< [m], IMU frame
+  kLioDof = kNavDof + 6,
+};
+using LioMatrix = Eigen::Matrix<double, kLioDof, kLioDof>;
+using LioVector = Eigen::Matrix<double, kLioDof, 1>;
+
+struct LioState {
+  NavState nav;
+  RigidTransform T_imu_lidar;
+};
+
+/// What became of a scan.
+enum class ScanOutcome {
+  kUpdated,         ///< registered to the map and inserted
+  kFirst,           ///< the first one: it founds the map
+  kTooFewPoints,    ///< the IMU went on alone
+  kTooFewMatches,   ///< the IMU went on alone
+};
+
+/// The estimate at a scan's end.
+struct LioResult {
+  ScanOutcome outcome = ScanOutcome::kUpdated;
+  TimeNs scan_begin = 0;
+  LioState state;                                          ///< its stamp is the scan's end
+  LioMatrix covariance = LioMatrix::Zero();                ///< of the error state, SI units of LioIndex
+  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();          ///< angular rate at the scan's end, bias off [rad/s], IMU frame
+  int points = 0;                                          ///< of the decoded scan
+  int registered = 0;                                      ///< after downsampling
+  int inliers = 0;                                         ///< with a plane and inside the gate, in the last iteration
+  int iterations = 0;
+  double residual_rms = 0.0;                               ///< of the inliers, point to plane [m]
+  Localizability localizability;
+};
+
+/// What was read and what was dropped, since the start.
+struct LioCounters {
+  std::uint64_t imu_read = 0;
+  std::uint64_t imu_dropped_order = 0;    ///< stamp not later than the one before
+  std::uint64_t imu_dropped_invalid = 0;  ///< NaN, inf, beyond 50 g or 100 rad/s
+  std::uint64_t imu_saturated = 0;
+  std::uint64_t imu_gaps = 0;             ///< longer than 0.1 s
+  std::uint64_t scans_read = 0;
+  std::uint64_t scans_used = 0;           ///< kUpdated and kFirst
+  std::uint64_t scans_dropped_order = 0;  ///< older than the newest one taken
+  std::uint64_t scans_dropped_empty = 0;  ///< without any valid point
+  std::uint64_t scans_before_imu = 0;     ///< begin before the first IMU sample
+  std::uint64_t scans_after_imu = 0;      ///< end after the last IMU sample when the data ended
+  std::uint64_t scans_too_few_points = 0;
+  std::uint64_t scans_too_few_matches = 0;
+  std::uint64_t scans_overflow = 0;       ///< waited for IMU data that did not come
+  std::uint64_t points_invalid = 0;
+  std::uint64_t points_out_of_range = 0;
+};
+
+}  // namespace allan_lio

@@ -1,0 +1,61 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "allan_lio/imu/imu_sample.h"
+#include "allan_lio/lidar/scan.h"
+#include "allan_lio/lio/lio_config.h"
+#include "allan_lio/lio/lio_result.h"
+
+namespace allan_lio {
+
+/// A point of the map or of a deskewed scan, in the world frame.
+struct WorldPoint {
+  float x, y, z;    ///< [m]
+  float intensity;  ///< as the driver gives it; 0 for map points
+};
+
+/// LiDAR-inertial odometry: samples and scans in, states out. Deterministic: the results depend only on the two
+/// streams, not on how they interleave, on the number of threads or on time. Not thread-safe.
+class Odometry {
+ public:
+  explicit Odometry(const LioConfig& config);
+  ~Odometry();
+
+  /// Samples and scans must each come in the order of time; the two streams may interleave in any way.
+  void add_imu(const ImuSample& sample);
+  void add_scan(Scan scan);
+
+  /// Says that no more data comes: the scans that still wait for IMU data are settled by next().
+  void end_of_data();
+
+  /// Processes the oldest scan whose IMU data is complete. Call it until it gives nothing.
+  std::optional<LioResult> next();
+
+  /// The last processed scan's points, deskewed, in the world frame.
+  std::vector<WorldPoint> deskewed_points() const;
+
+  /// The map's points or plane centres, in the world frame.
+  std::vector<WorldPoint> map_points() const;
+
+  double map_megabytes() const;
+  std::size_t map_voxels() const;
+  const LioCounters& counters() const;
+  const LioConfig& config() const;
+
+  /// Factor from the accelerometer's readings to m/s^2 in force; 1 before the start is settled.
+  double accel_scale() const;
+
+  /// Takes effect with the next scan.
+  void set_noise_scale(const NoiseScale& scale);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace allan_lio

@@ -1,0 +1,64 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "allan_lio/lio/lio_result.h"
+#include "allan_lio/lio/task_pool.h"
+#include "allan_lio/map/voxel_map.h"
+
+namespace allan_lio {
+
+/// Columns of the residual's Jacobian: rotation and translation of the IMU, rotation and translation of the LiDAR.
+constexpr int kResidualDof = 12;
+using ResidualMatrix = Eigen::Matrix<double, kResidualDof, kResidualDof>;
+using ResidualVector = Eigen::Matrix<double, kResidualDof, 1>;
+
+struct ResidualOptions {
+  double range_variance;     ///< of one range measurement, k_r included [m^2]
+  double gate;               ///< [sigma]
+  double robust_scale;       ///< [sigma]
+  bool estimate_extrinsics;  ///< else the last six rows and columns stay zero
+};
+
+/// The scan's points as a quadratic cost about a state: cost = x^T information x / 2 - gradient^T x.
+struct NormalEquations {
+  ResidualMatrix information = ResidualMatrix::Zero();
+  ResidualVector gradient = ResidualVector::Zero();
+  /// What the noise of the planes' normals adds to the information of the pose in expectation, though it tells
+  /// nothing: sum of w E[dh dh^T] over the residuals' Jacobians h (theory section 4).
+  Eigen::Matrix<double, 6, 6> feigned = Eigen::Matrix<double, 6, 6>::Zero();
+  double squared_range = 0.0;     ///< sum of |q|^2 over the inliers [m^2]
+  double squared_distance = 0.0;  ///< sum of z^2 over the inliers [m^2]
+  int inliers = 0;
+
+  void add(const NormalEquations& other);
+};
+
+/// Point-to-plane residuals z = n^T (R q + p - c) of points q in the IMU frame at the scan's end, weighted by
+/// 1/(range noise + the plane's noise). The m points on one plane share its error, so each gets m times its
+/// variance: together they tell no more than the plane itself knows.
+class PointToPlane {
+ public:
+  explicit PointToPlane(TaskPool& pool) : pool_(pool) {}
+
+  /// `pose_covariance` (rotation, translation) is the prior's, for the gate.
+  NormalEquations linearize(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
+                            const Eigen::Matrix<double, 6, 6>& pose_covariance, const VoxelMap& map,
+                            const ResidualOptions& options);
+
+ private:
+  void match(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state, const VoxelMap& map);
+  void count_groups();
+
+  TaskPool& pool_;
+  std::vector<const Plane*> planes_;   ///< a point's plane or null
+  std::vector<Plane> scratch_;
+  std::vector<std::uint32_t> shared_;  ///< by group: points on that plane
+  std::vector<NormalEquations> blocks_;
+};
+
+}  // namespace allan_lio

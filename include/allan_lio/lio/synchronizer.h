@@ -1,0 +1,50 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "allan_lio/imu/imu_buffer.h"
+#include "allan_lio/lidar/scan.h"
+#include "allan_lio/lio/lio_result.h"
+
+namespace allan_lio {
+
+/// Brings the two streams together: hands out a scan once the IMU's data reaches its end. What it hands out depends
+/// on the streams alone, not on how they interleave.
+class Synchronizer {
+ public:
+  explicit Synchronizer(LioCounters& counters) : counters_(counters) {}
+
+  void add_imu(const ImuSample& sample);
+  void add_scan(Scan scan);
+  void end_of_data() { ended_ = true; }
+
+  const ImuBuffer& imu() const { return imu_; }
+  bool ended() const { return ended_; }
+
+  /// The oldest waiting scan that begins inside the IMU's data, or null.
+  const Scan* front();
+
+  /// The oldest waiting scan, if the IMU's data covers it. When the data has ended, a scan that ends at most
+  /// kBridge after the last sample passes too.
+  std::optional<Scan> take();
+
+  /// Forgets the IMU data that nothing after `t` needs.
+  void discard_before(TimeNs t) { imu_.discard_before(t); }
+
+  static constexpr double kBridge = 0.1;  ///< [s]
+
+ private:
+  static constexpr std::size_t kMostWaiting = 100;  ///< scans; then the IMU is taken for silent
+
+  LioCounters& counters_;
+  ImuBuffer imu_;
+  std::deque<Scan> scans_;
+  std::optional<TimeNs> first_imu_;
+  std::optional<TimeNs> newest_scan_end_;
+  bool ended_ = false;
+};
+
+}  // namespace allan_lio

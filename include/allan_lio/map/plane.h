@@ -1,0 +1,66 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace allan_lio {
+
+/// A plane fitted to points, with what its fit leaves uncertain.
+struct Plane {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< mean of the points [m], world
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, world
+  /// Principal axes in the plane, world, each times the 1 sigma by which the normal may lean along it [rad]:
+  /// cov(normal) = lean_1 lean_1^T + lean_2 lean_2^T.
+  Eigen::Vector3d lean_1 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d lean_2 = Eigen::Vector3d::Zero();
+  double thickness = 0.0;        ///< variance of the points about the plane [m^2]
+  double center_variance = 0.0;  ///< variance of the center along the normal [m^2]
+  /// Number of the voxel whose plane it is, so that residuals that share its errors are told; kNoGroup: none.
+  std::uint32_t group = kNoGroup;
+  static constexpr std::uint32_t kNoGroup = 0xffffffffU;
+
+  double distance(const Eigen::Vector3d& point) const { return normal.dot(point - center); }
+
+  /// Variance of the plane's height under `point` [m^2].
+  double variance_at(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d offset = point - center;
+    const double a = lean_1.dot(offset), b = lean_2.dot(offset);
+    return center_variance + a * a + b * b;
+  }
+};
+
+/// Sums over points about a fixed origin near them, from which the plane follows.
+struct PlaneSums {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();      ///< [m]
+  Eigen::Matrix<double, 6, 1> products = Eigen::Matrix<double, 6, 1>::Zero();  ///< xx xy xz yy yz zz [m^2]
+  std::uint32_t count = 0;
+
+  void add(const Eigen::Vector3d& p) {
+    sum += p;
+    products[0] += p.x() * p.x();
+    products[1] += p.x() * p.y();
+    products[2] += p.x() * p.z();
+    products[3] += p.y() * p.y();
+    products[4] += p.y() * p.z();
+    products[5] += p.z() * p.z();
+    ++count;
+  }
+};
+
+struct PlaneLimits {
+  double point_variance;       ///< of one point along the normal: the range noise's [m^2]
+  double max_thickness;        ///< 1 sigma of the points about the plane [m]
+  double max_lean;             ///< 1 sigma of the normal [rad]
+  /// Least ratio of the spread inside the plane to the noise across it, as standard deviations: a strip narrower
+  /// than its noise would pass for a plane across itself.
+  double least_aspect;
+  std::uint32_t min_points;
+  std::uint32_t max_independent;  ///< more points than this are not taken for more information: they share poses
+};
+
+/// Fits the plane; false if the points do not make one within the limits. `origin` is what the sums are about.
+bool fit_plane(const PlaneSums& sums, const Eigen::Vector3d& origin, const PlaneLimits& limits, Plane& plane);
+
+}  // namespace allan_lio

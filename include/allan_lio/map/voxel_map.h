@@ -1,0 +1,47 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "allan_lio/map/plane.h"
+
+namespace allan_lio {
+
+struct VoxelMapOptions {
+  double voxel_size;   ///< [m]
+  double range_noise;  ///< 1 sigma of a point [m]
+  double radius;       ///< voxels farther than this go first when the map is full [m]
+  double max_mb;       ///< hard cap [MB = 1e6 bytes]
+};
+
+/// Local map: hashed voxels, bounded in memory, the same for the same sequence of calls.
+class VoxelMap {
+ public:
+  virtual ~VoxelMap() = default;
+
+  /// Adds points [m, world], seen from `sensor` [m, world]; makes room when the map is full.
+  virtual void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor) = 0;
+
+  /// The plane that a point is to be compared with, or null. It lies in the map or in `scratch`.
+  /// Safe to call from several threads.
+  virtual const Plane* find(const Eigen::Vector3d& point, Plane& scratch) const = 0;
+
+  virtual void clear() = 0;
+  virtual std::size_t voxels() const = 0;
+  virtual std::size_t bytes() const = 0;
+
+  /// What stands for the map in a picture: its points or its planes' centers [m, world].
+  virtual std::vector<Eigen::Vector3d> points() const = 0;
+};
+
+/// One growing plane per voxel: sums of the points, so that a plane's noise falls with every visit.
+std::unique_ptr<VoxelMap> make_plane_voxel_map(const VoxelMapOptions& options);
+
+/// Thinned points per voxel; a plane is fitted to the five nearest at every look-up.
+std::unique_ptr<VoxelMap> make_point_voxel_map(const VoxelMapOptions& options);
+
+}  // namespace allan_lio

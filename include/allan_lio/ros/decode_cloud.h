@@ -1,0 +1,39 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sensor_msgs/PointCloud2.h>
+
+#include <optional>
+#include <string>
+
+#include "allan_lio/lidar/point_time.h"
+#include "allan_lio/lidar/scan.h"
+#include "allan_lio/lio/lio_config.h"
+
+namespace allan_lio {
+
+/// Either a scan, or a sentence that says why there is none.
+struct DecodedCloud {
+  std::optional<Scan> scan;
+  std::string error;
+};
+
+/// sensor_msgs/PointCloud2 of any driver to Scan, in one pass over the bytes. x, y, z are float32 or float64;
+/// intensity (may be absent) and point time are of any numeric type. Invalid points (NaN, inf, all zero, a time
+/// that is no time) and points out of range are dropped and counted.
+class CloudDecoder {
+ public:
+  explicit CloudDecoder(const LioConfig::Lidar& options);
+
+  DecodedCloud decode(const sensor_msgs::PointCloud2& cloud);
+
+  /// One line on the point times; empty until a scan has been seen.
+  std::string verdict() const;
+
+ private:
+  LioConfig::Lidar options_;
+  PointTimeDetector detector_;
+};
+
+}  // namespace allan_lio

@@ -1,0 +1,81 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "allan_lio/io/run_writer.h"
+#include "allan_lio/lio/odometry.h"
+#include "allan_lio/ros/decode_cloud.h"
+
+namespace allan_lio {
+
+/// One run of the estimator on ROS messages: decode, feed, take the results, write them. The offline runner, the
+/// node and the nodelet drive this same object, so they give the same results to the bit.
+class LioSession {
+ public:
+  /// Called with every result, after it has been written; may be empty.
+  using OnResult = std::function<void(const LioResult&)>;
+
+  /// `out`: directory of the results, empty for none. Throws std::runtime_error if it cannot be written.
+  LioSession(const LioConfig& config, const std::string& out, OnResult on_result);
+
+  /// Writes what there is with status "interrupted" if finish() was not called.
+  ~LioSession();
+
+  void add(const sensor_msgs::Imu& message);
+
+  /// Why the cloud could not be decoded; empty if it could.
+  std::string add(const sensor_msgs::PointCloud2& message);
+
+  /// A message that could not even be deserialised.
+  void count_undecodable(const std::string& why);
+
+  /// For the summary.
+  void add_note(const std::string& note) { notes_.push_back(note); }
+  void set_inputs(const std::vector<std::string>& inputs) { inputs_ = inputs; }
+
+  /// No more data comes: settles the scans that wait.
+  void end_of_data();
+
+  /// Completes the files. Throws std::runtime_error naming the file that could not be written. Does nothing when
+  /// called again.
+  void finish(const std::string& status);
+
+  /// One line on the point times, empty as long as nothing is known.
+  std::string verdict() const { return decoder_.verdict(); }
+
+  /// Not empty once so many clouds in a row could not be decoded, and none could, that it is of no use to go on.
+  std::string hopeless() const;
+
+  /// Why no scan was used, empty if one was.
+  std::string why_nothing() const;
+
+  const Odometry& odometry() const { return *odometry_; }
+  std::uint64_t undecodable() const { return undecodable_; }
+  double cpu_seconds() const { return cpu_seconds_; }  ///< of decoding, registration and map so far [s]
+  double imu_interval() const;                         ///< mean time between IMU samples [s], 0 if unknown
+
+ private:
+  void take_results();
+
+  std::unique_ptr<Odometry> odometry_;
+  CloudDecoder decoder_;
+  std::unique_ptr<RunWriter> writer_;
+  OnResult on_result_;
+  std::vector<std::string> notes_, inputs_;
+  std::string last_refusal_;
+  std::uint64_t decoded_ = 0, undecodable_ = 0, imu_count_ = 0;
+  TimeNs first_imu_ = 0, last_imu_ = 0;
+  double pending_seconds_ = 0.0;  ///< CPU time spent since the last result [s]
+  double cpu_seconds_ = 0.0;
+  bool finished_ = false;
+};
+
+}  // namespace allan_lio

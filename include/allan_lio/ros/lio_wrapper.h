@@ -1,0 +1,53 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <allan_lio/Finish.h>
+#include <ros/node_handle.h>
+#include <ros/service_server.h>
+#include <ros/subscriber.h>
+#include <ros/wall_timer.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include <memory>
+#include <string>
+
+#include "allan_lio/ros/lio_session.h"
+#include "allan_lio/ros/param_source.h"
+#include "allan_lio/ros/publish.h"
+
+namespace allan_lio {
+
+/// The filter as a ROS node: what the node and the nodelet have in common. Its callbacks must not run at the same
+/// time, as they don't in a node that spins in one thread and in a nodelet's single-threaded queue.
+class LioWrapper {
+ public:
+  /// Throws ConfigError, or std::runtime_error if ~out cannot be written.
+  LioWrapper(ros::NodeHandle handle, ros::NodeHandle private_handle);
+
+ private:
+  void on_imu(const sensor_msgs::ImuConstPtr& message);
+  void on_cloud(const sensor_msgs::PointCloud2ConstPtr& message);
+  void on_map_timer(const ros::WallTimerEvent&);
+  bool on_finish(Finish::Request& request, Finish::Response& response);
+  /// Settles everything and completes the files, once.
+  void finish(const Finish::Request& request);
+  void tell_verdict();
+
+  NodeParameters parameters_;
+  RigidTransform T_base_imu_;
+  std::unique_ptr<LioPublisher> publisher_;
+  std::unique_ptr<LioSession> session_;
+  std::uint64_t imu_received_ = 0, scans_received_ = 0;
+  std::string told_verdict_;
+  bool finished_ = false;
+  std::string trouble_;  ///< why the results are not complete
+
+  ros::WallTimer map_timer_;
+  ros::ServiceServer finish_service_;
+  // Last, so that no callback comes before the rest is there or after it has gone.
+  ros::Subscriber imu_subscriber_, lidar_subscriber_;
+};
+
+}  // namespace allan_lio

@@ -1,0 +1,30 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/node_handle.h>
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include <string>
+
+#include "allan_lio/io/config_source.h"
+
+namespace allan_lio {
+
+/// A tree of ROS parameters as a flat configuration: {imu: {k_gb: 2}} is "imu/k_gb". Numbers keep every bit.
+/// `origin`: where the tree stands on the server, for messages. Throws ConfigError for what has no text (binary,
+/// nested lists).
+ConfigSource flatten_parameters(const XmlRpc::XmlRpcValue& tree, const std::string& origin);
+
+/// What a node of this package reads from its private parameters.
+struct NodeParameters {
+  LioConfig config;
+  std::string out;  ///< ~out: directory of the results, empty for none
+};
+
+/// Reads ~config (a name in config/ or a file) and over it all other private parameters, which have the keys of the
+/// YAML; ~out is the node's own. Sets what is in force under ~in_force: not over the parameters themselves, or the
+/// next start would take this one's values for the user's. Throws ConfigError.
+NodeParameters read_node_parameters(const ros::NodeHandle& private_handle);
+
+}  // namespace allan_lio

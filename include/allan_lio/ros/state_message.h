@@ -1,0 +1,23 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <allan_lio/State.h>
+
+#include "allan_lio/imu/nav_state.h"
+#include "allan_lio/lio/lio_config.h"
+#include "allan_lio/lio/lio_result.h"
+
+namespace allan_lio {
+
+/// The whole estimate as ~state publishes it. `accel_scale`: Odometry::accel_scale().
+StatePtr to_state_message(const LioResult& result, const LioConfig& config, double accel_scale);
+
+/// The inertial part of the message.
+NavState nav_state_of(const State& message);
+NavMatrix nav_covariance_of(const State& message);
+
+/// True if all numbers of the message are finite.
+bool is_finite(const State& message);
+
+}  // namespace allan_lio

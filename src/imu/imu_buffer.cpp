@@ -1,0 +1,48 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/imu/imu_buffer.h"
+
+#include <algorithm>
+
+namespace allan_lio {
+namespace {
+
+bool earlier(const ImuSample& sample, TimeNs t) { return sample.stamp < t; }
+
+}  // namespace
+
+bool ImuBuffer::push(const ImuSample& sample) {
+  if (!samples_.empty() && sample.stamp <= samples_.back().stamp) return false;
+  samples_.push_back(sample);
+  return true;
+}
+
+ImuSample ImuBuffer::at(TimeNs t) const {
+  const auto after = std::lower_bound(samples_.begin(), samples_.end(), t, earlier);
+  ImuSample reading;
+  if (after == samples_.begin() || after == samples_.end()) {
+    reading = after == samples_.begin() ? samples_.front() : samples_.back();
+  } else {
+    const ImuSample& a = *(after - 1);
+    const ImuSample& b = *after;
+    const double s = seconds_between(a.stamp, t) / seconds_between(a.stamp, b.stamp);
+    reading.gyro = a.gyro + s * (b.gyro - a.gyro);
+    reading.accel = a.accel + s * (b.accel - a.accel);
+  }
+  reading.stamp = t;
+  return reading;
+}
+
+std::vector<ImuSample> ImuBuffer::between(TimeNs from, TimeNs to) const {
+  std::vector<ImuSample> out{at(from)};
+  auto it = std::lower_bound(samples_.begin(), samples_.end(), from + 1, earlier);
+  for (; it != samples_.end() && it->stamp < to; ++it) out.push_back(*it);
+  out.push_back(at(to));
+  return out;
+}
+
+void ImuBuffer::discard_before(TimeNs t) {
+  while (samples_.size() > 1 && samples_[1].stamp <= t) samples_.pop_front();
+}
+
+}  // namespace allan_lio

@@ -1,0 +1,212 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "allan_lio/imu/noise_units.h"
+#include "allan_lio/io/config_source.h"
+#include "allan_lio/io/known_keys.h"
+#include "allan_lio/io/number_text.h"
+#include "allan_lio/io/parameter_list.h"
+
+namespace allan_lio {
+namespace {
+
+std::string join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+[[noreturn]] void refuse(const std::string& key, const ConfigEntry& entry, const std::string& sentence) {
+  const std::string value = entry.is_list ? "[" + join(entry.items) + "]" : "'" + join(entry.items) + "'";
+  throw ConfigError(key + " = " + value + " (" + entry.origin + "): " + sentence);
+}
+
+/// Sets every declared field from the source, or to its default where the source is silent.
+class Reader : public ParameterVisitor {
+ public:
+  explicit Reader(const ConfigSource& source) : source_(source) {}
+
+  void number(const ParameterInfo& info, double& field, double fallback, const ParameterRange& range) override {
+    const ConfigEntry* entry = find(info.key);
+    field = entry ? to_number(info.key, *entry, scalar(info.key, *entry), range, info.unit) : fallback;
+  }
+
+  void integer(const ParameterInfo& info, int& field, int fallback, const ParameterRange& range) override {
+    const ConfigEntry* entry = find(info.key);
+    const double value = entry ? to_number(info.key, *entry, scalar(info.key, *entry), range, "") : fallback;
+    if (value != std::floor(value) || std::abs(value) > 1e9) refuse(info.key, *entry, "must be a whole number");
+    field = static_cast<int>(value);
+  }
+
+  void flag(const ParameterInfo& info, bool& field, bool fallback) override {
+    const ConfigEntry* entry = find(info.key);
+    field = entry ? to_flag(info.key, *entry) : fallback;
+  }
+
+  void text(const ParameterInfo& info, std::string& field, const std::string& fallback) override {
+    const ConfigEntry* entry = find(info.key);
+    field = entry ? scalar(info.key, *entry) : fallback;
+  }
+
+  void choice(const ParameterInfo& info, int& field, int fallback, const std::vector<std::string>& names) override {
+    const ConfigEntry* entry = find(info.key);
+    field = fallback;
+    if (entry == nullptr) return;
+    const auto at = std::find(names.begin(), names.end(), scalar(info.key, *entry));
+    if (at == names.end()) refuse(info.key, *entry, "must be one of " + join(names));
+    field = static_cast<int>(at - names.begin());
+  }
+
+  void numbers(const ParameterInfo& info, Eigen::Ref<Eigen::VectorXd> field, const Eigen::VectorXd& fallback,
+               const ParameterRange& range) override {
+    field = fallback;
+    const ConfigEntry* entry = find(info.key);
+    if (entry == nullptr) return;
+    const std::size_t size = static_cast<std::size_t>(fallback.size());
+    if (!entry->is_list || entry->items.size() != size)
+      refuse(info.key, *entry, "must be a list of " + std::to_string(size) + " numbers");
+    for (std::size_t i = 0; i < size; ++i)
+      field[static_cast<Eigen::Index>(i)] = to_number(indexed(info.key, i), *entry, entry->items[i], range, info.unit);
+  }
+
+  void quantity(const ParameterInfo& info, Eigen::Vector3d& field, Dimension dimension,
+                const ParameterRange& range) override {
+    if (const ConfigEntry* bare = find(info.key)) refuse(info.key, *bare, "a unit is needed: " + wanted(dimension));
+    const ConfigEntry* value = find(info.key + "/value");
+    const ConfigEntry* unit = find(info.key + "/unit");
+    if (value == nullptr) {
+      throw ConfigError(info.key + " is missing" + (unit ? " its value (" + unit->origin + ")" : "") +
+                        ": an IMU's noise has no default. Include the file of the IMU, for example " +
+                        "'include: [imu/mti600]', or give " + wanted(dimension));
+    }
+    if (unit == nullptr) refuse(info.key + "/value", *value, "a unit is needed: " + wanted(dimension));
+    const UnitConversion conversion = convert_unit(scalar(info.key + "/unit", *unit), dimension);
+    if (!conversion.ok()) refuse(info.key + "/unit", *unit, conversion.error);
+    if (value->items.size() != (value->is_list ? 3u : 1u))
+      refuse(info.key + "/value", *value, "must be one number, or a list of 3 for the axes x, y, z");
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::string key = value->is_list ? indexed(info.key + "/value", i) : info.key + "/value";
+      // A range is positive or not negative, so it holds in any unit; what under- or overflows in SI is caught after.
+      const double number = to_number(key, *value, value->items[value->is_list ? i : 0], range, "");
+      const double si = number * conversion.to_si;
+      if (!std::isfinite(si) || (si == 0.0) != (number == 0.0)) refuse(key, *value, "is beyond all measure");
+      field[static_cast<Eigen::Index>(i)] = si;
+    }
+  }
+
+ private:
+  const ConfigEntry* find(const std::string& key) const {
+    const auto at = source_.find(key);
+    return at == source_.end() ? nullptr : &at->second;
+  }
+
+  static std::string indexed(const std::string& key, std::size_t i) { return key + "[" + std::to_string(i) + "]"; }
+
+  static std::string wanted(Dimension dimension) {
+    const std::vector<std::string> units = usual_units(dimension);
+    return "{value: NUMBER, unit: UNIT}, the unit one of " + join(units);
+  }
+
+  static const std::string& scalar(const std::string& key, const ConfigEntry& entry) {
+    if (entry.is_list) refuse(key, entry, "must be a single value, not a list");
+    if (entry.items.size() != 1) refuse(key, entry, "has no value");
+    return entry.items.front();
+  }
+
+  static double to_number(const std::string& key, const ConfigEntry& entry, const std::string& text,
+                          const ParameterRange& range, const std::string& unit) {
+    double value = 0.0;
+    if (!parse_number(text, &value)) refuse(key, entry, "'" + text + "' is not a finite decimal number");
+    const bool inside = value <= range.high && (range.exclusive_low ? value > range.low : value >= range.low);
+    if (!inside) {
+      refuse(key, entry,
+             text + " is out of range: must be " + range_text(range) + (unit.empty() || unit == "1" ? "" : " " + unit));
+    }
+    return value;
+  }
+
+  /// YAML 1.1's words, since that is how the parameter server reads the same file.
+  static bool to_flag(const std::string& key, const ConfigEntry& entry) {
+    std::string word = scalar(key, entry);
+    for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if (word == "true" || word == "yes" || word == "on") return true;
+    if (word == "false" || word == "no" || word == "off") return false;
+    refuse(key, entry, "must be true or false");
+  }
+
+  const ConfigSource& source_;
+};
+
+/// Leaves what is unit to rounding as it is, so that a printed configuration reads back to the same bits.
+void normalise(Eigen::Quaterniond& rotation) {
+  constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+  if (std::abs(rotation.norm() - 1.0) > kRounding) rotation.normalize();
+}
+
+/// check_config() sees only values; this adds where those that it names were set.
+void check_with_origins(const LioConfig& config, const ConfigSource& source) {
+  try {
+    check_config(config);
+  } catch (const ConfigError& error) {
+    std::string sentence = error.what();
+    for (const auto& item : source) {
+      if (sentence.find(item.first + " ") != std::string::npos)
+        sentence += " (" + item.first + ": " + item.second.origin + ")";
+    }
+    throw ConfigError(sentence);
+  }
+}
+
+}  // namespace
+
+LioConfig read_config(const ConfigSource& source) {
+  refuse_unknown_keys(source);
+  LioConfig config{};
+  Reader reader(source);
+  declare_parameters(reader, config);
+  check_with_origins(config, source);
+  normalise(config.T_imu_lidar.rotation);
+  return config;
+}
+
+LioConfig default_config(const AllanSpec& spec) {
+  /// The quantities alone have no default and keep what is there.
+  class Defaults : public Reader {
+   public:
+    using Reader::Reader;
+    void quantity(const ParameterInfo&, Eigen::Vector3d&, Dimension, const ParameterRange&) override {}
+  };
+  const ConfigSource nothing;
+  LioConfig config{};
+  config.imu.spec = spec;
+  Defaults defaults(nothing);
+  declare_parameters(defaults, config);
+  return config;
+}
+
+void check_config(const LioConfig& config) {
+  constexpr double kNormTolerance = 1e-3;
+  const LioConfig::Lidar& lidar = config.lidar;
+  if (lidar.min_range >= lidar.max_range) {
+    throw ConfigError("lidar/min_range = " + number_text(lidar.min_range) +
+                      " must be less than lidar/max_range = " + number_text(lidar.max_range));
+  }
+  const double norm = config.T_imu_lidar.rotation.norm();
+  if (std::abs(norm - 1.0) > kNormTolerance) {
+    throw ConfigError("extrinsics/T_imu_lidar/rotation must be a unit quaternion x, y, z, w; its norm is " +
+                      number_text(norm));
+  }
+  const std::pair<const char*, const std::string*> names[] = {
+      {"topics/imu", &config.topics.imu},   {"topics/lidar", &config.topics.lidar},
+      {"frames/odom", &config.frames.odom}, {"frames/base", &config.frames.base},
+      {"frames/imu", &config.frames.imu},   {"frames/lidar", &config.frames.lidar}};
+  for (const auto& name : names) {
+    if (name.second->empty()) throw ConfigError(std::string(name.first) + " must not be empty");
+  }
+  if (config.frames.odom == config.frames.base)
+    throw ConfigError("frames/odom and frames/base must differ; both are '" + config.frames.odom + "'");
+}
+
+}  // namespace allan_lio

@@ -1,0 +1,45 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/io/config_source.h"
+
+#include <cstdint>
+
+#include "allan_lio/imu/noise_units.h"
+#include "allan_lio/io/parameter_list.h"
+
+namespace allan_lio {
+
+ConfigSource merge(ConfigSource base, const ConfigSource& over) {
+  for (const auto& item : over) base[item.first] = item.second;
+  return base;
+}
+
+std::string print_config(const LioConfig& config) {
+  YamlTree tree;
+  for (const ParameterEntry& entry : list_parameters(config)) tree.add(entry.info.key, yaml_value(entry));
+  return tree.text();
+}
+
+ConfigSource to_source(const LioConfig& config) {
+  const std::string origin = "in force";
+  ConfigSource source;
+  for (const ParameterEntry& entry : list_parameters(config)) {
+    const bool quantity = entry.kind == ParameterEntry::Kind::kQuantity;
+    source[entry.info.key + (quantity ? "/value" : "")] = {entry.items, entry.is_list, origin};
+    if (quantity) source[entry.info.key + "/unit"] = {{si_unit(entry.dimension)}, false, origin};
+  }
+  return source;
+}
+
+std::string config_hash(const LioConfig& config) {
+  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a, 64 bits
+  for (const char c : print_config(config)) {
+    hash ^= static_cast<unsigned char>(c);
+    hash *= 0x100000001b3u;
+  }
+  std::string text;
+  for (int shift = 60; shift >= 0; shift -= 4) text += "0123456789abcdef"[(hash >> shift) & 15];
+  return text;
+}
+
+}  // namespace allan_lio

@@ -1,0 +1,221 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/io/run_writer.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <locale>
+#include <numeric>
+#include <sstream>
+#include <stdexcept>
+
+#include "allan_lio/io/config_source.h"
+#include "allan_lio/io/tum.h"
+
+namespace allan_lio {
+namespace {
+
+constexpr char kStatesHeader[] =
+    "t,p_x,p_y,p_z,q_x,q_y,q_z,q_w,v_x,v_y,v_z,bg_x,bg_y,bg_z,ba_x,ba_y,ba_z,g_x,g_y,g_z,"
+    "sigma_theta_x,sigma_theta_y,sigma_theta_z,sigma_p_x,sigma_p_y,sigma_p_z,sigma_v_x,sigma_v_y,sigma_v_z,"
+    "sigma_bg_x,sigma_bg_y,sigma_bg_z,sigma_ba_x,sigma_ba_y,sigma_ba_z,"
+    "points,registered,inliers,iterations,residual_rms,outcome,"
+    "support_0,support_1,support_2,support_3,support_4,support_5,"
+    "cov_p_xy,cov_p_xz,cov_p_yz";
+
+/// A row that reads back to the same bits, whatever the process's locale.
+std::ostringstream exact_stream() {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out.precision(std::numeric_limits<double>::max_digits10);
+  return out;
+}
+
+const char* outcome_name(ScanOutcome outcome) {
+  switch (outcome) {
+    case ScanOutcome::kUpdated:
+      return "updated";
+    case ScanOutcome::kFirst:
+      return "first";
+    case ScanOutcome::kTooFewPoints:
+      return "too_few_points";
+    case ScanOutcome::kTooFewMatches:
+      return "too_few_matches";
+  }
+  return "unknown";
+}
+
+std::string states_row(const LioResult& result) {
+  const NavState& nav = result.state.nav;
+  std::ostringstream out = exact_stream();
+  const auto put = [&out](const auto& values) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) out << ',' << values[i];
+  };
+  out << format_seconds(nav.stamp);
+  put(nav.T_world_imu.translation);
+  put(nav.T_world_imu.rotation.coeffs());  // x, y, z, w
+  put(nav.velocity_world);
+  put(nav.gyro_bias);
+  put(nav.accel_bias);
+  put(nav.gravity_world);
+  const LioVector sigma = result.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (const int block : {kTheta, kPosition, kVelocity, kGyroBias, kAccelBias}) put(sigma.segment<3>(block));
+  out << ',' << result.points << ',' << result.registered << ',' << result.inliers << ',' << result.iterations << ','
+      << result.residual_rms << ',' << outcome_name(result.outcome);
+  put(result.localizability.support);
+  // With the sigmas above this is the whole covariance of position, so that any direction's can be had.
+  put(Eigen::Vector3d(result.covariance(kPosition, kPosition + 1), result.covariance(kPosition, kPosition + 2),
+                      result.covariance(kPosition + 1, kPosition + 2)));
+  return out.str();
+}
+
+/// A YAML double-quoted scalar.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    const unsigned char byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      out += {'\\', c};
+    } else if (c == '\n') {
+      out += "\\n";
+    } else if (byte < 0x20 || byte == 0x7f) {
+      char escape[8];
+      std::snprintf(escape, sizeof(escape), "\\x%02x", byte);
+      out += escape;
+    } else {
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+void put_list(std::ostream& out, const std::string& key, const std::vector<std::string>& items) {
+  out << key << (items.empty() ? ": []\n" : ":\n");
+  for (const std::string& item : items) out << "  - " << quoted(item) << '\n';
+}
+
+void put_counters(std::ostream& out, const LioCounters& c) {
+  const std::uint64_t skipped = c.scans_dropped_order + c.scans_dropped_empty + c.scans_before_imu + c.scans_after_imu +
+                                c.scans_too_few_points + c.scans_too_few_matches + c.scans_overflow;
+  out << "scans:\n  read: " << c.scans_read << "\n  used: " << c.scans_used << "\n  skipped: " << skipped
+      << "\n  skipped_because:"
+      << "\n    not_newer_than_the_last: " << c.scans_dropped_order << "\n    no_valid_point: " << c.scans_dropped_empty
+      << "\n    before_first_imu: " << c.scans_before_imu << "\n    after_last_imu: " << c.scans_after_imu
+      << "\n    too_few_points: " << c.scans_too_few_points << "\n    too_few_matches: " << c.scans_too_few_matches
+      << "\n    imu_did_not_come: " << c.scans_overflow << "\npoints:\n  invalid: " << c.points_invalid
+      << "\n  out_of_range: " << c.points_out_of_range << "\nimu:\n  samples: " << c.imu_read
+      << "\n  dropped_not_newer: " << c.imu_dropped_order << "\n  dropped_invalid: " << c.imu_dropped_invalid
+      << "\n  saturated: " << c.imu_saturated << "\n  gaps: " << c.imu_gaps << '\n';
+}
+
+/// CPU time per scan; percentiles by the nearest rank.
+void put_times(std::ostream& out, std::vector<double> seconds) {
+  std::sort(seconds.begin(), seconds.end());
+  const auto percentile = [&seconds](double fraction) {
+    const double rank = std::ceil(fraction * static_cast<double>(seconds.size()));
+    return seconds.empty() ? 0.0 : seconds[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+  };
+  const double sum = std::accumulate(seconds.begin(), seconds.end(), 0.0);
+  const double mean = seconds.empty() ? 0.0 : sum / static_cast<double>(seconds.size());
+  const auto precision = out.precision(3);
+  out << std::fixed << "time_per_scan_ms: {mean: " << 1e3 * mean << ", p50: " << 1e3 * percentile(0.5)
+      << ", p95: " << 1e3 * percentile(0.95) << ", max: " << 1e3 * percentile(1.0) << "}\n";
+  out.precision(precision);
+  out.unsetf(std::ios::floatfield);
+}
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;  // Linux gives kilobytes
+}
+
+std::string indented(const std::string& text) {
+  std::istringstream in(text);
+  std::string out;
+  for (std::string line; std::getline(in, line);) out += line.empty() ? "\n" : "  " + line + "\n";
+  return out;
+}
+
+/// Empty if all that was written to `file` is on disk, else a sentence.
+std::string close_failure(std::ofstream& file, const std::string& path) {
+  file.close();
+  return file ? "" : path + ": could not be written (is the disk full?)";
+}
+
+}  // namespace
+
+RunWriter::RunWriter(const std::string& directory, const LioConfig& config) : directory_(directory), config_(config) {
+  std::error_code error;
+  std::filesystem::create_directories(directory_, error);
+  if (error) throw std::runtime_error(directory_ + ": cannot be created: " + error.message());
+  std::filesystem::remove(directory_ + "/summary.yaml", error);  // it would be another run's
+  if (error) throw std::runtime_error(directory_ + "/summary.yaml: cannot be replaced: " + error.message());
+  trajectory_.open(directory_ + "/trajectory.tum");
+  if (!trajectory_) throw std::runtime_error(directory_ + "/trajectory.tum: cannot be written");
+  states_.open(directory_ + "/states.csv");
+  states_ << kStatesHeader << std::endl;
+  if (!states_) throw std::runtime_error(directory_ + "/states.csv: cannot be written");
+}
+
+RunWriter::~RunWriter() {
+  if (finished_) return;
+  try {
+    trajectory_.flush();
+    states_.flush();
+    RunSummary summary;
+    summary.status = "interrupted";
+    summary.counters.scans_read = summary.counters.scans_used = scan_seconds_.size();
+    summary.notes = {"the run did not end in order: of the counters only the scans are known, as states written"};
+    write_summary(summary);
+  } catch (const std::exception&) {
+    // A destructor has nobody to tell; the rows are on disk as far as they could be written.
+  }
+}
+
+void RunWriter::add(const LioResult& result, double cpu_seconds) {
+  const NavState& nav = result.state.nav;
+  trajectory_ << format_tum_line({nav.stamp, nav.T_world_imu}) << '\n';
+  states_ << states_row(result) << '\n';
+  const bool first = scan_seconds_.empty();
+  scan_seconds_.push_back(cpu_seconds);
+  if (first || std::abs(seconds_between(last_flush_, nav.stamp)) >= 1.0) {
+    trajectory_.flush();
+    states_.flush();
+    last_flush_ = nav.stamp;
+  }
+}
+
+void RunWriter::finish(const RunSummary& summary) {
+  std::string failure = close_failure(trajectory_, directory_ + "/trajectory.tum");
+  const std::string states_failure = close_failure(states_, directory_ + "/states.csv");
+  if (failure.empty()) failure = states_failure;
+  RunSummary honest = summary;
+  if (!failure.empty()) honest.status = "incomplete: " + failure;
+  write_summary(honest);
+  finished_ = true;
+  if (!failure.empty()) throw std::runtime_error(failure);
+}
+
+void RunWriter::write_summary(const RunSummary& summary) const {
+  const std::string path = directory_ + "/summary.yaml";
+  std::ofstream out(path);
+  out.imbue(std::locale::classic());
+  out << "status: " << quoted(summary.status) << '\n';
+  put_list(out, "inputs", summary.inputs);
+  put_list(out, "notes", summary.notes);
+  put_counters(out, summary.counters);
+  put_times(out, scan_seconds_);
+  out << "peak_rss_mb: " << peak_rss_mb() << "\nmap: {megabytes: " << summary.map_megabytes
+      << ", voxels: " << summary.map_voxels << "}\n";
+  out << "parameters_hash: " << quoted(config_hash(config_)) << "\nparameters:\n" << indented(print_config(config_));
+  const std::string failure = close_failure(out, path);
+  if (!failure.empty()) throw std::runtime_error(failure);
+}
+
+}  // namespace allan_lio

@@ -1,0 +1,60 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/lio/odometry.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "odometry_impl.h"
+
+namespace allan_lio {
+
+/// The whole pipeline.
+LioResult Odometry::Impl::process(Scan scan) {
+  const std::vector<TrackSegment> track = propagate_to(scan.end());
+  select_points(scan);
+  LioResult result = begin_result(scan);
+  if (result.registered < config_.lidar.min_points) return finish(ScanOutcome::kTooFewPoints, std::move(scan), result);
+
+  deskewer_ = make_deskewer(scan, track);
+  deskew_points(scan);
+  if (map_->voxels() == 0) {
+    make_first_pose();
+    insert_scan();
+    return finish(ScanOutcome::kFirst, std::move(scan), result);
+  }
+
+  const Eigen::Vector3d predicted_velocity = state_.nav.velocity_world;
+  const UpdateReport report =
+      iterated_update(registered_points_, *map_, config_, residuals_, state_, covariance_);
+  describe(report, result);
+  if (!report.applied) return finish(ScanOutcome::kTooFewMatches, std::move(scan), result);
+
+  if (is_distorted(scan, predicted_velocity)) found_map_again(scan, track);
+  insert_scan();
+  return finish(ScanOutcome::kUpdated, std::move(scan), result);
+}
+
+std::optional<LioResult> Odometry::Impl::next() {
+  if (!initialized_ && !initialize_from_imu()) return std::nullopt;
+  std::optional<Scan> scan = synchronizer_.take();
+  if (!scan) return std::nullopt;
+  return process(std::move(*scan));
+}
+
+Odometry::Odometry(const LioConfig& config) : impl_(std::make_unique<Impl>(config)) {}
+Odometry::~Odometry() = default;
+void Odometry::add_imu(const ImuSample& sample) { impl_->synchronizer_.add_imu(sample); }
+void Odometry::add_scan(Scan scan) { impl_->synchronizer_.add_scan(std::move(scan)); }
+void Odometry::end_of_data() { impl_->synchronizer_.end_of_data(); }
+std::optional<LioResult> Odometry::next() { return impl_->next(); }
+std::vector<WorldPoint> Odometry::deskewed_points() const { return impl_->deskewed_points(); }
+std::vector<WorldPoint> Odometry::map_points() const { return impl_->map_points(); }
+double Odometry::map_megabytes() const { return 1e-6 * static_cast<double>(impl_->map_->bytes()); }
+std::size_t Odometry::map_voxels() const { return impl_->map_->voxels(); }
+const LioCounters& Odometry::counters() const { return impl_->counters_; }
+const LioConfig& Odometry::config() const { return impl_->config_; }
+double Odometry::accel_scale() const { return impl_->accel_scale_; }
+void Odometry::set_noise_scale(const NoiseScale& scale) { impl_->set_noise_scale(scale); }
+
+}  // namespace allan_lio

@@ -1,0 +1,84 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "allan_lio/lidar/deskew.h"
+#include "allan_lio/lidar/voxel_downsample.h"
+#include "allan_lio/lio/iterated_update.h"
+#include "allan_lio/lio/odometry.h"
+#include "allan_lio/lio/synchronizer.h"
+#include "allan_lio/map/voxel_map.h"
+
+namespace allan_lio {
+
+/// The state of the odometry and the stages that process() calls, in the order of the pipeline.
+class Odometry::Impl {
+ public:
+  explicit Impl(const LioConfig& config);
+
+  std::optional<LioResult> next();
+  LioResult process(Scan scan);
+
+  /// Settles unit, tilt, biases and their covariance once the IMU's data spans the record that this takes.
+  bool initialize_from_imu();
+
+  /// Moves state and covariance to `t`; returns the motion in between.
+  std::vector<TrackSegment> propagate_to(TimeNs t);
+  ImuNoise noise_between(const ImuSample& from, const ImuSample& to);
+  void bridge(double gap);
+
+  void select_points(const Scan& scan);
+  Deskewer make_deskewer(const Scan& scan, const std::vector<TrackSegment>& track) const;
+  void deskew_points(const Scan& scan);
+  void insert_scan();
+
+  /// Lays the world's origin and heading at the state's pose.
+  void make_first_pose();
+  /// The map is about to be founded at this pose, so it is known exactly: its uncertainty goes over to velocity and
+  /// gravity, which are known relative to the body.
+  void anchor_pose();
+
+  /// True in the first scans of a moving start: the velocity at hand when the scan was deskewed was so wrong that
+  /// the map's first points are smeared by more than their noise.
+  bool is_distorted(const Scan& scan, const Eigen::Vector3d& predicted_velocity) const;
+  /// Starts the map anew with this scan, deskewed with the velocity that is known now.
+  void found_map_again(const Scan& scan, std::vector<TrackSegment> track);
+
+  LioResult begin_result(const Scan& scan) const;
+  static void describe(const UpdateReport& report, LioResult& result);
+  LioResult finish(ScanOutcome outcome, Scan scan, LioResult result);
+
+  std::vector<WorldPoint> deskewed_points() const;
+  std::vector<WorldPoint> map_points() const;
+  void set_noise_scale(const NoiseScale& scale);
+
+  LioConfig config_;
+  ImuNoise noise_;
+  LioCounters counters_;
+  Synchronizer synchronizer_;
+  VoxelDownsampler downsampler_;
+  std::unique_ptr<VoxelMap> map_;
+  TaskPool pool_;
+  PointToPlane residuals_;
+
+  bool initialized_ = false;
+  double accel_scale_ = 1.0;
+  LioState state_;
+  LioMatrix covariance_ = LioMatrix::Zero();
+  Eigen::Vector3d gyro_ = Eigen::Vector3d::Zero();  ///< at the state's stamp, bias off [rad/s]
+  int scans_processed_ = 0;
+
+  // Of the scan at hand; kept for deskewed_points() and so that nothing is allocated anew for every scan.
+  Scan scan_;
+  std::optional<Deskewer> deskewer_;
+  std::vector<std::uint32_t> inserted_;             ///< indices into the scan: the points for the map
+  std::vector<std::uint32_t> registered_;           ///< indices into the scan: the points for the update
+  std::vector<Eigen::Vector3f> inserted_points_;    ///< deskewed, IMU frame at the scan's end [m]
+  std::vector<Eigen::Vector3f> registered_points_;  ///< the same
+  std::vector<Eigen::Vector3d> world_points_;       ///< [m]
+};
+
+}  // namespace allan_lio

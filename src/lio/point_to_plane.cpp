@@ -1,0 +1,127 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/lio/point_to_plane.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace allan_lio {
+namespace {
+
+using PoseVector6 = Eigen::Matrix<double, 6, 1>;
+
+/// Derivative of n^T (R q + p) along `direction` = n: [q x R^T n; n].
+PoseVector6 pose_row(const Eigen::Vector3d& q, const Eigen::Matrix3d& back, const Eigen::Vector3d& direction) {
+  PoseVector6 row;
+  row << q.cross(back * direction), direction;
+  return row;
+}
+
+/// Everything about one scan that a residual needs.
+struct Context {
+  Eigen::Matrix3d rotation, back;
+  Eigen::Vector3d translation;
+  RigidTransform T_lidar_imu;
+  Eigen::Matrix<double, 6, 6> pose_covariance;
+  const ResidualOptions& options;
+
+  Context(const LioState& state, const Eigen::Matrix<double, 6, 6>& covariance, const ResidualOptions& residual_options)
+      : rotation(state.nav.T_world_imu.rotation.toRotationMatrix()),
+        back(rotation.transpose()),
+        translation(state.nav.T_world_imu.translation),
+        T_lidar_imu(state.T_imu_lidar.inverse()),
+        pose_covariance(covariance),
+        options(residual_options) {}
+};
+
+void add_extrinsics(const Context& context, const Eigen::Vector3d& q, const Plane& plane, ResidualVector& row) {
+  const Eigen::Vector3d normal_imu = context.back * plane.normal;
+  const Eigen::Vector3d normal_lidar = context.T_lidar_imu.rotation * normal_imu;
+  row.segment<3>(6) = (context.T_lidar_imu * q).cross(normal_lidar);
+  row.segment<3>(9) = normal_imu;
+}
+
+void add_residual(const Context& context, const Eigen::Vector3d& q, const Plane& plane, double sharing,
+                  NormalEquations& sum) {
+  const ResidualOptions& options = context.options;
+  const Eigen::Vector3d point = context.rotation * q + context.translation;
+  const double z = plane.distance(point);
+  const PoseVector6 row = pose_row(q, context.back, plane.normal);
+  const double single = std::max(options.range_variance, plane.thickness) + plane.variance_at(point);
+  const double pose_variance = row.dot(context.pose_covariance * row);
+  if (z * z > options.gate * options.gate * (single + pose_variance)) return;
+
+  const double variance = single + (sharing - 1.0) * plane.center_variance;
+  const double deviations = std::abs(z) / std::sqrt(single);
+  const double robust = deviations <= options.robust_scale ? 1.0 : options.robust_scale / deviations;
+  const double weight = robust / variance;
+  if (options.estimate_extrinsics) {
+    ResidualVector full;
+    full.head<6>() = row;
+    add_extrinsics(context, q, plane, full);
+    sum.information.noalias() += weight * full * full.transpose();
+    sum.gradient -= weight * z * full;
+  } else {
+    sum.information.topLeftCorner<6, 6>().noalias() += weight * row * row.transpose();
+    sum.gradient.head<6>() -= weight * z * row;
+  }
+  const PoseVector6 lean_1 = pose_row(q, context.back, plane.lean_1);
+  const PoseVector6 lean_2 = pose_row(q, context.back, plane.lean_2);
+  sum.feigned.noalias() += weight * lean_1 * lean_1.transpose();
+  sum.feigned.noalias() += weight * lean_2 * lean_2.transpose();
+  sum.squared_range += q.squaredNorm();
+  sum.squared_distance += z * z;
+  ++sum.inliers;
+}
+
+}  // namespace
+
+void NormalEquations::add(const NormalEquations& other) {
+  information += other.information;
+  gradient += other.gradient;
+  feigned += other.feigned;
+  squared_range += other.squared_range;
+  squared_distance += other.squared_distance;
+  inliers += other.inliers;
+}
+
+void PointToPlane::match(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state, const VoxelMap& map) {
+  planes_.resize(points_imu.size());
+  scratch_.resize(points_imu.size());
+  const Eigen::Matrix3d rotation = state.nav.T_world_imu.rotation.toRotationMatrix();
+  const Eigen::Vector3d& translation = state.nav.T_world_imu.translation;
+  pool_.run(points_imu.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      planes_[i] = map.find(rotation * points_imu[i].cast<double>() + translation, scratch_[i]);
+  });
+}
+
+void PointToPlane::count_groups() {
+  for (const Plane* plane : planes_)
+    if (plane && plane->group != Plane::kNoGroup && plane->group >= shared_.size()) shared_.resize(plane->group + 1);
+  for (const Plane* plane : planes_)
+    if (plane && plane->group != Plane::kNoGroup) shared_[plane->group] = 0;
+  for (const Plane* plane : planes_)
+    if (plane && plane->group != Plane::kNoGroup) ++shared_[plane->group];
+}
+
+NormalEquations PointToPlane::linearize(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
+                                        const Eigen::Matrix<double, 6, 6>& pose_covariance, const VoxelMap& map,
+                                        const ResidualOptions& options) {
+  match(points_imu, state, map);
+  count_groups();
+  const Context context(state, pose_covariance, options);
+  blocks_.assign(TaskPool::blocks(points_imu.size()), NormalEquations{});
+  pool_.run(points_imu.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!planes_[i]) continue;
+      const double sharing = planes_[i]->group == Plane::kNoGroup ? 1.0 : shared_[planes_[i]->group];
+      add_residual(context, points_imu[i].cast<double>(), *planes_[i], sharing, blocks_[block]);
+    }
+  });
+  NormalEquations total;
+  for (const NormalEquations& block : blocks_) total.add(block);
+  return total;
+}
+
+}  // namespace allan_lio

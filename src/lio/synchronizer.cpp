@@ -1,0 +1,73 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/lio/synchronizer.h"
+
+#include <utility>
+
+namespace allan_lio {
+namespace {
+
+constexpr double kAbsurdAccel = 50.0 * 9.80665;  // [m/s^2]
+constexpr double kAbsurdGyro = 100.0;            // [rad/s]
+
+bool is_sane(const ImuSample& s) {  // false for NaN too
+  return s.accel.cwiseAbs().maxCoeff() <= kAbsurdAccel && s.gyro.cwiseAbs().maxCoeff() <= kAbsurdGyro &&
+         s.accel.allFinite() && s.gyro.allFinite();
+}
+
+}  // namespace
+
+void Synchronizer::add_imu(const ImuSample& sample) {
+  ++counters_.imu_read;
+  if (!is_sane(sample)) {
+    ++counters_.imu_dropped_invalid;
+  } else if (!imu_.push(sample)) {
+    ++counters_.imu_dropped_order;
+  } else if (!first_imu_) {
+    first_imu_ = sample.stamp;
+  }
+}
+
+void Synchronizer::add_scan(Scan scan) {
+  ++counters_.scans_read;
+  counters_.points_invalid += scan.dropped_invalid;
+  counters_.points_out_of_range += scan.dropped_range;
+  if (newest_scan_end_ && scan.end() <= *newest_scan_end_) {
+    ++counters_.scans_dropped_order;
+    return;
+  }
+  newest_scan_end_ = scan.end();
+  if (scans_.size() == kMostWaiting) {
+    ++counters_.scans_overflow;
+    scans_.pop_front();
+  }
+  scans_.push_back(std::move(scan));
+}
+
+const Scan* Synchronizer::front() {
+  while (first_imu_ && !scans_.empty() && scans_.front().begin() < *first_imu_) {
+    ++counters_.scans_before_imu;
+    scans_.pop_front();
+  }
+  return first_imu_ && !scans_.empty() ? &scans_.front() : nullptr;
+}
+
+std::optional<Scan> Synchronizer::take() {
+  const Scan* oldest = front();
+  if (!oldest) {
+    if (ended_) counters_.scans_after_imu += scans_.size(), scans_.clear();  // there never was an IMU sample
+    return std::nullopt;
+  }
+  const double missing = seconds_between(imu_.newest(), oldest->end());
+  if (missing > 0 && !ended_) return std::nullopt;
+  if (missing > kBridge) {
+    counters_.scans_after_imu += scans_.size();
+    scans_.clear();
+    return std::nullopt;
+  }
+  std::optional<Scan> out(std::move(scans_.front()));
+  scans_.pop_front();
+  return out;
+}
+
+}  // namespace allan_lio

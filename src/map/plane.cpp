@@ -1,0 +1,44 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/map/plane.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace allan_lio {
+
+bool fit_plane(const PlaneSums& sums, const Eigen::Vector3d& origin, const PlaneLimits& limits, Plane& plane) {
+  if (sums.count < limits.min_points) return false;
+  const double n = sums.count;
+  const Eigen::Vector3d mean = sums.sum / n;
+  const auto& s = sums.products;
+  Eigen::Matrix3d scatter;
+  scatter << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+  scatter = scatter / n - mean * mean.transpose();
+
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(scatter);
+  const Eigen::Vector3d& spread = solver.eigenvalues();  // ascending
+  const double degrees_of_freedom = n / (n - 3.0);
+  const double thickness = std::max(spread[0], 0.0) * degrees_of_freedom;
+  if (!(thickness <= limits.max_thickness * limits.max_thickness)) return false;
+
+  // Regression of height on the two in-plane coordinates: variances of the offset and of the two slopes.
+  const double noise = std::max(thickness, limits.point_variance);
+  if (spread[1] < limits.least_aspect * limits.least_aspect * noise) return false;
+  const double independent = std::min<double>(n, limits.max_independent);
+  const double lean_1 = std::sqrt(noise / (independent * spread[2]));
+  const double lean_2 = std::sqrt(noise / (independent * spread[1]));
+  if (!(lean_2 <= limits.max_lean)) return false;
+
+  plane.center = origin + mean;
+  plane.normal = solver.eigenvectors().col(0);
+  plane.lean_1 = lean_1 * solver.eigenvectors().col(2);
+  plane.lean_2 = lean_2 * solver.eigenvectors().col(1);
+  plane.thickness = noise;
+  plane.center_variance = noise / independent;
+  return true;
+}
+
+}  // namespace allan_lio

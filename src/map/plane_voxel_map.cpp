@@ -1,0 +1,122 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
+#include "allan_lio/map/voxel_map.h"
+#include "allan_lio/map/voxel_store.h"
+
+namespace allan_lio {
+namespace {
+
+/// Each voxel also takes the points this far outside of it (part of its edge), so that a wall that runs along a
+/// border is seen whole from both sides instead of being cut into two halves of its noise.
+constexpr double kOverlap = 0.1;
+constexpr std::uint32_t kFullAfter = 1000;  ///< points; then the plane is fixed and anchors later visits
+constexpr double kMaxLean = 0.15;           ///< [rad]
+constexpr double kMaxThickness = 0.06;      ///< of the edge
+constexpr double kLeastAspect = 3.0;
+constexpr std::uint32_t kMinPoints = 6;
+constexpr std::uint32_t kMaxIndependent = 100;
+
+struct PlaneVoxel {
+  VoxelCoordinates coordinates{};
+  std::uint32_t fitted_at = 0;  ///< count at the last fit
+  bool is_plane = false;
+  bool is_touched = false;
+  PlaneSums sums;  ///< about the voxel's center
+  Plane plane;
+};
+
+class PlaneVoxelMap : public VoxelMap {
+ public:
+  explicit PlaneVoxelMap(const VoxelMapOptions& options)
+      : options_(options),
+        limits_{options.range_noise * options.range_noise,
+                kMaxThickness * options.voxel_size,
+                kMaxLean,
+                kLeastAspect,
+                kMinPoints,
+                kMaxIndependent},
+        store_(options.voxel_size, options.max_mb) {}
+
+  void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor) override {
+    for (const Eigen::Vector3d& p : points) {
+      if (store_.is_full()) make_room(sensor);
+      insert_point(p);
+    }
+    refit_touched();
+  }
+
+  const Plane* find(const Eigen::Vector3d& point, Plane&) const override {
+    const PlaneVoxel* voxel = store_.find(voxel_of(point, store_.inverse_edge()));
+    return voxel && voxel->is_plane ? &voxel->plane : nullptr;
+  }
+
+  void clear() override { store_.clear(); }
+  std::size_t voxels() const override { return store_.size(); }
+  std::size_t bytes() const override { return store_.bytes() + touched_.capacity() * sizeof(std::uint32_t); }
+
+  std::vector<Eigen::Vector3d> points() const override {
+    std::vector<Eigen::Vector3d> out;
+    for (std::size_t i = 0; i < store_.size(); ++i)
+      if (store_[i].is_plane) out.push_back(store_[i].plane.center);
+    return out;
+  }
+
+ private:
+  void make_room(const Eigen::Vector3d& sensor) {
+    refit_touched();
+    store_.make_room(sensor, options_.radius);
+    for (std::size_t i = 0; i < store_.size(); ++i) store_[i].plane.group = static_cast<std::uint32_t>(i);
+  }
+
+  void refit_touched() {
+    for (const std::uint32_t i : touched_) refit(i);
+    touched_.clear();
+  }
+
+  void insert_point(const Eigen::Vector3d& p) {
+    const Eigen::Vector3d scaled = p * store_.inverse_edge();
+    int low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+      low[k] = static_cast<int>(std::floor(scaled[k] - kOverlap));
+      high[k] = static_cast<int>(std::floor(scaled[k] + kOverlap));
+    }
+    for (int x = low[0]; x <= high[0]; ++x)
+      for (int y = low[1]; y <= high[1]; ++y)
+        for (int z = low[2]; z <= high[2]; ++z) add_to_voxel({x, y, z}, p);
+  }
+
+  void add_to_voxel(const VoxelCoordinates& c, const Eigen::Vector3d& p) {
+    const std::uint32_t i = store_.find_or_make(c);
+    PlaneVoxel& voxel = store_[i];
+    if (voxel.sums.count >= kFullAfter) return;
+    voxel.sums.add(p - store_.voxel_center(c));
+    if (voxel.is_touched) return;
+    voxel.is_touched = true;
+    touched_.push_back(i);
+  }
+
+  /// Again only when the count has grown by a tenth: a plane is fitted some 50 times in its life.
+  void refit(std::uint32_t i) {
+    PlaneVoxel& voxel = store_[i];
+    voxel.is_touched = false;
+    if (10 * voxel.sums.count < 11 * voxel.fitted_at) return;
+    voxel.fitted_at = voxel.sums.count;
+    voxel.is_plane = fit_plane(voxel.sums, store_.voxel_center(voxel.coordinates), limits_, voxel.plane);
+    voxel.plane.group = i;
+  }
+
+  VoxelMapOptions options_;
+  PlaneLimits limits_;
+  VoxelStore<PlaneVoxel> store_;
+  std::vector<std::uint32_t> touched_;
+};
+
+}  // namespace
+
+std::unique_ptr<VoxelMap> make_plane_voxel_map(const VoxelMapOptions& options) {
+  return std::make_unique<PlaneVoxelMap>(options);
+}
+
+}  // namespace allan_lio

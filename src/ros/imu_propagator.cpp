@@ -1,0 +1,60 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/ros/imu_propagator.h"
+
+#include <nav_msgs/Odometry.h>
+#include <ros/console.h>
+
+#include "allan_lio/ros/conversions.h"
+#include "allan_lio/ros/publish.h"
+#include "allan_lio/ros/state_message.h"
+
+namespace allan_lio {
+namespace {
+
+constexpr double kTfPatience = 10.0;  // [s]
+constexpr int kImuQueue = 4000;
+constexpr int kStateQueue = 20;
+constexpr TimeNs kBackInTime = 1 * kNsPerSecond;  // a step back of this much is a new recording, not a late sample
+
+}  // namespace
+
+ImuPropagator::ImuPropagator(ros::NodeHandle handle, ros::NodeHandle private_handle)
+    : config_(read_node_parameters(private_handle).config),
+      T_base_imu_(resolve_extrinsics(config_, kTfPatience)),
+      propagator_(config_.imu.discretization),
+      odometry_(handle.advertise<nav_msgs::Odometry>("imu_odometry", 1000)) {
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  state_subscriber_ = handle.subscribe("state", kStateQueue, &ImuPropagator::on_state, this, hints);
+  imu_subscriber_ = handle.subscribe(config_.topics.imu, kImuQueue, &ImuPropagator::on_imu, this, hints);
+}
+
+void ImuPropagator::on_state(const StateConstPtr& message) {
+  if (!is_finite(*message)) return;
+  config_.imu.scale = {message->k_g, message->k_a, message->k_gb, message->k_ab};
+  propagator_.restart(nav_state_of(*message), nav_covariance_of(*message),
+                      make_imu_noise(config_.imu.spec, config_.imu.scale, config_.imu.bias_model),
+                      message->accel_scale);
+}
+
+void ImuPropagator::on_imu(const sensor_msgs::ImuConstPtr& message) {
+  const ImuSample sample = to_imu_sample(*message);
+  if (sample.stamp < last_imu_ - kBackInTime) propagator_.clear();
+  if (sample.stamp > last_imu_ && last_imu_ != 0) sample_interval_ = seconds_between(last_imu_, sample.stamp);
+  last_imu_ = sample.stamp;
+  if (!propagator_.add(sample)) return;
+  BaseEstimate estimate;
+  estimate.state = propagator_.estimate().state;
+  estimate.covariance = propagator_.estimate().covariance;
+  estimate.gyro = propagator_.estimate().gyro;
+  estimate.gyro_variance = gyro_reading_variance(config_.imu, sample_interval_);
+  estimate.T_base_imu = T_base_imu_;
+  const nav_msgs::OdometryPtr odometry = to_odometry(estimate, config_.frames.odom, config_.frames.base);
+  if (is_finite(*odometry)) {
+    odometry_.publish(odometry);
+  } else {
+    ROS_ERROR_THROTTLE(1.0, "an estimate that is not finite was not published");
+  }
+}
+
+}  // namespace allan_lio

@@ -1,0 +1,138 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/ros/lio_session.h"
+
+#include <ctime>
+#include <exception>
+#include <utility>
+
+#include "allan_lio/ros/conversions.h"
+
+namespace allan_lio {
+namespace {
+
+/// Clouds in a row that may fail before the run is given up.
+constexpr std::uint64_t kHopelessClouds = 50;
+
+double process_cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Adds the CPU time of its life to `sum`.
+class CpuMeter {
+ public:
+  explicit CpuMeter(double& sum) : sum_(sum), begin_(process_cpu_seconds()) {}
+  ~CpuMeter() { sum_ += process_cpu_seconds() - begin_; }
+  CpuMeter(const CpuMeter&) = delete;
+  CpuMeter& operator=(const CpuMeter&) = delete;
+
+ private:
+  double& sum_;
+  double begin_;
+};
+
+}  // namespace
+
+LioSession::LioSession(const LioConfig& config, const std::string& out, OnResult on_result)
+    : odometry_(std::make_unique<Odometry>(config)), decoder_(config.lidar), on_result_(std::move(on_result)) {
+  if (!out.empty()) writer_ = std::make_unique<RunWriter>(out, config);
+}
+
+LioSession::~LioSession() {
+  try {
+    finish("interrupted");
+  } catch (const std::exception&) {
+    // A destructor has nobody to tell; RunWriter has kept what could be kept.
+  }
+}
+
+void LioSession::add(const sensor_msgs::Imu& message) {
+  const ImuSample sample = to_imu_sample(message);
+  if (imu_count_++ == 0) first_imu_ = sample.stamp;
+  last_imu_ = sample.stamp;
+  odometry_->add_imu(sample);
+  take_results();
+}
+
+std::string LioSession::add(const sensor_msgs::PointCloud2& message) {
+  std::string error;
+  {
+    CpuMeter meter(pending_seconds_);
+    DecodedCloud decoded = decoder_.decode(message);
+    error = std::move(decoded.error);
+    if (decoded.scan) odometry_->add_scan(std::move(*decoded.scan));
+    decoded.scan ? ++decoded_ : ++undecodable_;
+  }
+  if (!error.empty()) last_refusal_ = error;
+  take_results();
+  return error;
+}
+
+void LioSession::count_undecodable(const std::string& why) {
+  ++undecodable_;
+  last_refusal_ = why;
+}
+
+void LioSession::take_results() {
+  for (;;) {
+    std::optional<LioResult> result;
+    {
+      CpuMeter meter(pending_seconds_);
+      result = odometry_->next();
+    }
+    if (!result) return;
+    if (writer_) writer_->add(*result, pending_seconds_);
+    cpu_seconds_ += std::exchange(pending_seconds_, 0.0);
+    if (on_result_) on_result_(*result);
+  }
+}
+
+void LioSession::end_of_data() {
+  odometry_->end_of_data();
+  take_results();
+}
+
+double LioSession::imu_interval() const {
+  return imu_count_ < 2 ? 0.0 : seconds_between(first_imu_, last_imu_) / static_cast<double>(imu_count_ - 1);
+}
+
+std::string LioSession::hopeless() const {
+  return decoded_ == 0 && undecodable_ >= kHopelessClouds ? last_refusal_ : "";
+}
+
+std::string LioSession::why_nothing() const {
+  const LioCounters& c = odometry_->counters();
+  if (c.scans_used > 0) return "";
+  if (undecodable_ > 0 && decoded_ == 0) return "no cloud could be decoded: " + last_refusal_;
+  if (decoded_ == 0) return "no scan came";
+  if (c.imu_read == 0) return "no IMU sample came";
+  const auto part = [](std::uint64_t count, const char* what) {
+    return count == 0 ? std::string() : ", " + std::to_string(count) + " " + what;
+  };
+  return "of " + std::to_string(c.scans_read) + " scans none was used" +
+         part(c.scans_before_imu, "begin before the first IMU sample or the end of the initialisation") +
+         part(c.scans_after_imu, "end after the last IMU sample") +
+         part(c.scans_dropped_empty, "without a valid point") + part(c.scans_dropped_order, "out of order") +
+         part(c.scans_overflow, "waited for IMU data in vain") + part(c.scans_too_few_points, "with too few points") +
+         part(c.scans_too_few_matches, "with too few matches");
+}
+
+void LioSession::finish(const std::string& status) {
+  if (std::exchange(finished_, true) || !writer_) return;
+  RunSummary summary;
+  summary.counters = odometry_->counters();
+  summary.map_megabytes = odometry_->map_megabytes();
+  summary.map_voxels = odometry_->map_voxels();
+  summary.notes = notes_;
+  if (!verdict().empty()) summary.notes.insert(summary.notes.begin(), verdict());
+  if (undecodable_ > 0)
+    summary.notes.push_back(std::to_string(undecodable_) +
+                            " messages could not be decoded; the last: " + last_refusal_);
+  summary.inputs = inputs_;
+  summary.status = status;
+  writer_->finish(summary);
+}
+
+}  // namespace allan_lio

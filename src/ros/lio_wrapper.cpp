@@ -1,0 +1,87 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/ros/lio_wrapper.h"
+
+#include <ros/console.h>
+#include <ros/this_node.h>
+
+namespace allan_lio {
+namespace {
+
+constexpr double kTfPatience = 10.0;  // [s]
+constexpr double kMapPeriod = 3.0;    // [s]
+constexpr int kImuQueue = 4000;
+constexpr int kLidarQueue = 20;
+
+}  // namespace
+
+LioWrapper::LioWrapper(ros::NodeHandle handle, ros::NodeHandle private_handle)
+    : parameters_(read_node_parameters(private_handle)),
+      T_base_imu_(resolve_extrinsics(parameters_.config, kTfPatience)),
+      publisher_(std::make_unique<LioPublisher>(private_handle, parameters_.config, T_base_imu_)) {
+  const LioConfig& config = parameters_.config;
+  session_ = std::make_unique<LioSession>(config, parameters_.out,
+                                          [this](const LioResult& r) { publisher_->publish(r, *session_); });
+  ROS_INFO("imu: %s, lidar: %s, k_g %g, k_a %g, k_gb %g, k_ab %g, configuration %s", config.topics.imu.c_str(),
+           config.topics.lidar.c_str(), config.imu.scale.k_g, config.imu.scale.k_a, config.imu.scale.k_gb,
+           config.imu.scale.k_ab, config_hash(config).c_str());
+  map_timer_ = handle.createWallTimer(ros::WallDuration(kMapPeriod), &LioWrapper::on_map_timer, this);
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  imu_subscriber_ = handle.subscribe(config.topics.imu, kImuQueue, &LioWrapper::on_imu, this, hints);
+  lidar_subscriber_ = handle.subscribe(config.topics.lidar, kLidarQueue, &LioWrapper::on_cloud, this, hints);
+  // After the subscribers: who finds the service can count on them.
+  finish_service_ = private_handle.advertiseService("finish", &LioWrapper::on_finish, this);
+}
+
+void LioWrapper::on_imu(const sensor_msgs::ImuConstPtr& message) {
+  ++imu_received_;
+  if (!finished_) session_->add(*message);
+}
+
+void LioWrapper::on_cloud(const sensor_msgs::PointCloud2ConstPtr& message) {
+  ++scans_received_;
+  if (finished_) return;
+  const std::string error = session_->add(*message);
+  if (!error.empty()) ROS_ERROR_STREAM_THROTTLE(2.0, "scan refused: " << error);
+  tell_verdict();
+}
+
+void LioWrapper::tell_verdict() {
+  if (session_->verdict() == told_verdict_) return;
+  told_verdict_ = session_->verdict();
+  ROS_INFO_STREAM(told_verdict_);
+}
+
+void LioWrapper::on_map_timer(const ros::WallTimerEvent&) { publisher_->publish_map(*session_); }
+
+bool LioWrapper::on_finish(Finish::Request& request, Finish::Response& response) {
+  const bool all_here = imu_received_ >= request.imu_sent && scans_received_ >= request.scans_sent;
+  if (request.end && all_here && !finished_) finish(request);
+  response.imu_received = imu_received_;
+  response.scans_received = scans_received_;
+  response.finished = finished_;
+  response.success = finished_ && trouble_.empty();
+  response.message = finished_ ? trouble_ : session_->hopeless();
+  response.node = ros::this_node::getName();
+  response.imu_topic = imu_subscriber_.getTopic();
+  response.lidar_topic = lidar_subscriber_.getTopic();
+  return true;
+}
+
+void LioWrapper::finish(const Finish::Request& request) {
+  finished_ = true;
+  for (const std::string& note : request.notes) session_->add_note(note);
+  session_->set_inputs(request.inputs);
+  try {
+    session_->end_of_data();
+    trouble_ = session_->why_nothing();
+    const std::string why = trouble_.empty() && !request.notes.empty() ? request.notes.front() : trouble_;
+    session_->finish(why.empty() ? "complete" : "incomplete: " + why);
+  } catch (const std::exception& error) {
+    trouble_ = error.what();
+  }
+  publisher_->publish_map(*session_);
+  if (!trouble_.empty()) ROS_ERROR_STREAM(trouble_);
+}
+
+}  // namespace allan_lio

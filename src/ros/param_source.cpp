@@ -1,0 +1,117 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/ros/param_source.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+
+#include "allan_lio/io/yaml_source.h"
+#include "allan_lio/ros/config_dirs.h"
+
+namespace allan_lio {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+const char* const kInForce = "in_force";
+
+/// As a YAML scalar would hold it.
+std::string scalar_text(const XmlRpcValue& value, const std::string& origin) {
+  switch (value.getType()) {
+    case XmlRpcValue::TypeBoolean:
+      return static_cast<const bool&>(value) ? "true" : "false";
+    case XmlRpcValue::TypeInt:
+      return std::to_string(static_cast<const int&>(value));
+    case XmlRpcValue::TypeString:
+      return static_cast<const std::string&>(value);
+    case XmlRpcValue::TypeDouble: {
+      char text[40];
+      std::snprintf(text, sizeof text, "%.17g", static_cast<const double&>(value));
+      return text;
+    }
+    default:
+      throw ConfigError(origin + ": neither a number, a text, true or false, nor a list of them");
+  }
+}
+
+void flatten(const XmlRpcValue& value, const std::string& key, const std::string& root, ConfigSource& source) {
+  const std::string origin = "rosparam " + root + (key.empty() ? "" : "/" + key);
+  if (value.getType() == XmlRpcValue::TypeStruct) {
+    for (const auto& member : value)
+      flatten(member.second, (key.empty() ? "" : key + "/") + member.first, root, source);
+    return;
+  }
+  ConfigEntry entry;
+  entry.origin = origin;
+  entry.is_list = value.getType() == XmlRpcValue::TypeArray;
+  if (entry.is_list) {
+    for (int i = 0; i < value.size(); ++i) entry.items.push_back(scalar_text(value[i], origin));
+  } else {
+    entry.items.push_back(scalar_text(value, origin));
+  }
+  source[key] = entry;
+}
+
+/// The value of a key of the node's own, taken out of `source`; empty if it is not set.
+std::string take_text(ConfigSource& source, const std::string& key) {
+  const auto found = source.find(key);
+  if (found == source.end()) return "";
+  if (found->second.is_list) throw ConfigError(found->second.origin + ": a list where a text is expected");
+  const std::string text = found->second.items.front();
+  source.erase(found);
+  return text;
+}
+
+/// The type that the YAML reader would see in the text.
+XmlRpcValue typed(const std::string& text) {
+  if (text == "true" || text == "false") return XmlRpcValue(text == "true");
+  char* end = nullptr;
+  const long integer = std::strtol(text.c_str(), &end, 10);
+  const bool fits = integer >= std::numeric_limits<int>::min() && integer <= std::numeric_limits<int>::max();
+  if (!text.empty() && *end == '\0' && fits) return XmlRpcValue(static_cast<int>(integer));
+  const double real = std::strtod(text.c_str(), &end);
+  if (!text.empty() && *end == '\0') return XmlRpcValue(real);
+  return XmlRpcValue(text);
+}
+
+XmlRpcValue to_value(const ConfigEntry& entry) {
+  if (!entry.is_list) return typed(entry.items.empty() ? "" : entry.items.front());
+  XmlRpcValue list;
+  list.setSize(static_cast<int>(entry.items.size()));
+  for (std::size_t i = 0; i < entry.items.size(); ++i) list[static_cast<int>(i)] = typed(entry.items[i]);
+  return list;
+}
+
+void set_in_force(const ros::NodeHandle& handle, const LioConfig& config) {
+  const ros::NodeHandle in_force(handle, kInForce);
+  for (const auto& [key, entry] : to_source(config)) in_force.setParam(key, to_value(entry));
+}
+
+}  // namespace
+
+ConfigSource flatten_parameters(const XmlRpcValue& tree, const std::string& origin) {
+  ConfigSource source;
+  flatten(tree, "", origin, source);
+  return source;
+}
+
+NodeParameters read_node_parameters(const ros::NodeHandle& private_handle) {
+  ConfigSource given;
+  XmlRpcValue tree;
+  if (private_handle.getParam("", tree) && tree.getType() == XmlRpcValue::TypeStruct) {
+    XmlRpcValue own;
+    for (auto& member : tree)
+      if (member.first != kInForce) own[member.first] = member.second;
+    if (own.valid()) given = flatten_parameters(own, private_handle.getNamespace());
+  }
+  NodeParameters parameters;
+  parameters.out = take_text(given, "out");
+  const std::string name = take_text(given, "config");
+  const ConfigSource base = name.empty() ? ConfigSource() : load_yaml(name, config_search_dirs());
+  parameters.config = read_config(merge(base, given));
+  set_in_force(private_handle, parameters.config);
+  return parameters;
+}
+
+}  // namespace allan_lio

@@ -1,0 +1,19 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <ros/ros.h>
+
+#include "allan_lio/ros/lio_wrapper.h"
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "lidar_odometry");
+  // Outside of the try block: when the last handle goes, so does the console.
+  const ros::NodeHandle handle, private_handle("~");
+  try {
+    allan_lio::LioWrapper wrapped(handle, private_handle);
+    ros::spin();
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM(error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,136 @@
+#!/usr/bin/python3
+# Copyright 2026 the allan_lio authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs the launch file that ships on a small simulated bag, and compares with the offline runner."""
+import math
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import rosgraph
+import rospy
+import rostest
+from allan_lio.msg import State
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import PointCloud2
+from tf2_msgs.msg import TFMessage
+
+TIME_LIMIT = 120  # [s]
+K_DEFAULT = 1
+
+
+def run(*command):
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
+                          timeout=TIME_LIMIT)
+
+
+def read(*path):
+    with open(os.path.join(*path), 'rb') as file:
+        return file.read()
+
+
+def finite(message):
+    numbers = list(message.pose.covariance) + list(message.twist.covariance)
+    position, rotation = message.pose.pose.position, message.pose.pose.orientation
+    numbers += [position.x, position.y, position.z, rotation.x, rotation.y, rotation.z, rotation.w]
+    return all(math.isfinite(n) for n in numbers)
+
+
+class BagLaunch(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.directory = tempfile.mkdtemp(prefix='allan_lio_bag_launch_')
+        cls.bag = os.path.join(cls.directory, 'small.bag')
+        made = run('rosrun', 'allan_lio', 'simulate_bag', '--scene', 'rooms', '--imu', 'mti600', '--lidar',
+                   'velodyne16', '--seed', '1', '--duration', '12', '--out', cls.bag)
+        assert made.returncode == 0, made.stdout
+        cls.offline = os.path.join(cls.directory, 'offline')
+        made = run('rosrun', 'allan_lio', 'lio_offline', '--bag', cls.bag, '--config', 'simulated', '--out',
+                   cls.offline)
+        assert made.returncode == 0, made.stdout
+        cls.expected_scans = len(read(cls.offline, 'trajectory.tum').splitlines())
+        rospy.init_node('bag_launch_test')
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.directory, ignore_errors=True)
+
+    def launch(self, name, *arguments):
+        out = os.path.join(self.directory, name)
+        return out, run('roslaunch', '--wait', 'allan_lio', 'bag.launch', 'bag:=' + self.bag, 'out:=' + out, *arguments)
+
+    def test_results_equal_those_of_the_offline_runner_to_the_bit(self):
+        for rate in ('0', '8'):
+            out, launched = self.launch('rate_' + rate, 'rate:=' + rate)
+            self.assertTrue(os.path.exists(os.path.join(out, 'summary.yaml')), launched.stdout)
+            self.assertIn(b'complete', read(out, 'summary.yaml').splitlines()[0], launched.stdout)
+            self.assertGreater(self.expected_scans, 50)
+            for file in ('trajectory.tum', 'states.csv'):
+                self.assertEqual(read(out, file), read(self.offline, file), file + '\n' + launched.stdout)
+
+    def test_topics_and_transforms_are_published(self):
+        seen = {'odometry': [], 'state': [], 'imu': [], 'points': [], 'map': [], 'tf': []}
+
+        def keep(name):
+            return seen[name].append
+
+        subscribers = [
+            rospy.Subscriber('/lidar_odometry/odometry', Odometry, keep('odometry'), queue_size=1000),
+            rospy.Subscriber('/lidar_odometry/state', State, keep('state'), queue_size=1000),
+            rospy.Subscriber('/imu_odometry', Odometry, keep('imu'), queue_size=10000),
+            rospy.Subscriber('/lidar_odometry/points', PointCloud2, keep('points'), queue_size=1000),
+            rospy.Subscriber('/lidar_odometry/map', PointCloud2, keep('map'), queue_size=10),
+            rospy.Subscriber('/tf', TFMessage, keep('tf'), queue_size=1000)]
+        _, launched = self.launch('topics', 'rate:=4')
+        for subscriber in subscribers:
+            subscriber.unregister()
+        # The first messages may come before a subscriber has connected.
+        self.assertGreater(len(seen['odometry']), self.expected_scans // 2, launched.stdout)
+        self.assertGreater(len(seen['state']), self.expected_scans // 2)
+        self.assertGreater(len(seen['points']), self.expected_scans // 2)
+        self.assertGreater(len(seen['imu']), 10 * self.expected_scans)
+        self.assertGreater(len(seen['map']), 0)
+        for message in seen['odometry'] + seen['imu']:
+            self.assertTrue(finite(message))
+            self.assertEqual((message.header.frame_id, message.child_frame_id), ('odom', 'base_link'))
+            self.assertGreater(min(message.pose.covariance[7 * i] for i in range(6)), -1e-12)
+            self.assertGreater(min(message.twist.covariance[7 * i] for i in range(6)), 0.0)
+        self.assertTrue(any(t.header.frame_id == 'odom' and t.child_frame_id == 'base_link'
+                            for message in seen['tf'] for t in message.transforms))
+        self.check_propagation(seen)
+
+    def check_propagation(self, seen):
+        """The propagated pose stays with the filter's: both are of the same moment within an IMU interval."""
+        filtered = {m.header.stamp.to_nsec(): m.pose.pose.position for m in seen['odometry']}
+        nearest = sorted(filtered)
+        far = 0
+        for message in seen['imu']:
+            stamp = message.header.stamp.to_nsec()
+            close = [t for t in nearest if abs(t - stamp) < 3e6]
+            if not close:
+                continue
+            a, b = filtered[close[0]], message.pose.pose.position
+            if math.dist((a.x, a.y, a.z), (b.x, b.y, b.z)) > 0.1:
+                far += 1
+        self.assertEqual(far, 0)
+
+    def test_a_bad_configuration_ends_the_launch_with_a_sentence(self):
+        out, launched = self.launch('bad', 'k_gb:=-1')
+        self.assertIn('imu/k_gb', launched.stdout)
+        self.assertFalse(os.path.exists(os.path.join(out, 'summary.yaml')))
+
+    def test_a_missing_bag_ends_the_launch_with_a_sentence(self):
+        launched = run('roslaunch', '--wait', 'allan_lio', 'bag.launch', 'bag:=/nowhere/none.bag')
+        self.assertIn('/nowhere/none.bag', launched.stdout)
+
+    def test_parameters_in_force_are_on_the_server(self):
+        self.launch('in_force', 'k_gb:=1.5')
+        master = rosgraph.Master('/bag_launch_test')
+        self.assertEqual(master.getParam('/lidar_odometry/in_force/imu/k_gb'), 1.5)
+        self.assertEqual(master.getParam('/lidar_odometry/in_force/imu/k_ab'), K_DEFAULT)
+
+
+if __name__ == '__main__':
+    rostest.rosrun('allan_lio', 'bag_launch', BagLaunch)

@@ -1,0 +1,171 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/lio/iterated_update.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <random>
+
+#include "allan_lio/math/so3.h"
+#include "central_differences.h"
+#include "scene_points.h"
+#include "simulated_specs.h"
+
+namespace allan_lio {
+namespace {
+
+constexpr double kRounding = 1e-9;
+
+LioMatrix some_covariance(unsigned seed) {
+  std::srand(seed);
+  const LioMatrix a = LioMatrix::Random();
+  return 0.01 * (a * a.transpose() + 0.1 * LioMatrix::Identity());
+}
+
+LioState state_at(const Eigen::Vector3d& turn, const Eigen::Vector3d& position) {
+  LioState state;
+  state.nav.T_world_imu = {exp_so3(turn), position};
+  return state;
+}
+
+TEST(IteratedUpdate, StateMinusUndoesPlusAndTransportIsItsInverseJacobian) {
+  LioState x = state_at({0.1, 0.2, -0.4}, {1, 2, 3});
+  x.nav.gravity_world = exp_so3({0.05, -0.02, 0}) * Eigen::Vector3d(0, 0, -9.8);
+  LioVector delta;
+  std::srand(3);
+  delta = 0.3 * LioVector::Random();
+  const LioState y = lio_plus(x, delta);
+  EXPECT_LT((lio_minus(y, x) - delta).norm(), kRounding);
+  const LioMatrix forward = transport(y, x);
+  constexpr double kStep = 1e-6;
+  for (int i = 0; i < kLioDof; ++i) {
+    const LioVector d = LioVector::Unit(i) * kStep;
+    const LioVector column = (lio_minus(lio_plus(y, d), x) - lio_minus(lio_plus(y, -d), x)) / (2 * kStep);
+    EXPECT_LT((forward * column - LioVector::Unit(i)).norm(), 1e-7) << "column " << i;
+  }
+}
+
+TEST(IteratedUpdate, OneStepEqualsTheKalmanUpdateOfALinearProblem) {
+  // Measurement of the pose, rows H, noise R: the textbook's gain form against the information form.
+  const LioState prior = state_at({0, 0, 0}, {0, 0, 0});
+  const LioMatrix p = some_covariance(1);
+  std::srand(5);
+  const Eigen::Matrix<double, 8, kResidualDof> rows = Eigen::Matrix<double, 8, kResidualDof>::Random();
+  const Eigen::Matrix<double, 8, 1> z = 0.01 * Eigen::Matrix<double, 8, 1>::Random();
+  const double variance = 0.02;
+  NormalEquations equations;
+  equations.information = rows.transpose() * rows / variance;
+  equations.gradient = -rows.transpose() * z / variance;
+
+  Eigen::Matrix<double, 8, kLioDof> h = Eigen::Matrix<double, 8, kLioDof>::Zero();
+  h.leftCols<6>() = rows.leftCols<6>();
+  h.rightCols<6>() = rows.rightCols<6>();
+  const Eigen::Matrix<double, 8, 8> s = h * p * h.transpose() + variance * Eigen::Matrix<double, 8, 8>::Identity();
+  const Eigen::Matrix<double, kLioDof, 8> gain = p * h.transpose() * s.inverse();
+  const LioVector expected = -gain * z;
+  const LioMatrix expected_covariance = p - gain * h * p;
+
+  const UpdateStep once = solve_step(prior, prior, p, equations);
+  EXPECT_LT((once.step - expected).norm(), kRounding * expected.norm());
+  EXPECT_LT((once.covariance - expected_covariance).norm(), kRounding * p.norm());
+}
+
+TEST(IteratedUpdate, MoreIterationsOfALinearProblemStayAtTheOneStepSolution) {
+  // Positions only, so that the manifold is flat: a lost pull of the prior would move the second iteration.
+  const LioState prior = state_at({0, 0, 0}, {1, 2, 3});
+  const LioMatrix p = some_covariance(2);
+  const Eigen::Vector3d target(1.4, 1.7, 3.3);
+  const double variance = 0.05;
+  const auto measure = [&](const LioState& x) {
+    NormalEquations e;
+    e.information.block<3, 3>(3, 3) = Eigen::Matrix3d::Identity() / variance;
+    e.gradient.segment<3>(3) = (target - x.nav.T_world_imu.translation) / variance;
+    return e;
+  };
+  LioState iterate = prior;
+  const LioVector first = solve_step(prior, prior, p, measure(prior)).step;
+  LioMatrix covariance;
+  for (int i = 0; i < 5; ++i) {
+    const UpdateStep step = solve_step(iterate, prior, p, measure(iterate));
+    iterate = lio_plus(iterate, step.step);
+    covariance = step.covariance;
+  }
+  const LioState once = lio_plus(prior, first);
+  EXPECT_LT((iterate.nav.T_world_imu.translation - once.nav.T_world_imu.translation).norm(), 1e-3)
+      << "rotation couples in through the covariance, so the two differ by its second order only";
+  EXPECT_LT((iterate.nav.velocity_world - once.nav.velocity_world).norm(), 1e-3);
+}
+
+TEST(IteratedUpdate, AStateWithoutUncertaintyStaysWhereItIs) {
+  LioMatrix p = some_covariance(4);
+  p.bottomRows<6>().setZero();
+  p.rightCols<6>().setZero();
+  NormalEquations e;
+  e.information.setIdentity();
+  e.gradient.setOnes();
+  const LioState prior = state_at({0, 0, 0}, {0, 0, 0});
+  const UpdateStep step = solve_step(prior, prior, p, e);
+  EXPECT_EQ(step.step.tail<6>().norm(), 0.0);
+  EXPECT_EQ(step.covariance.bottomRows<6>().norm(), 0.0);
+  EXPECT_TRUE(step.step.allFinite());
+}
+
+class RegisterToScene : public ::testing::Test {
+ protected:
+  LioConfig config_ = default_config(mti600_spec());
+  TaskPool pool_{1};
+  PointToPlane residuals_{pool_};
+
+  /// Registers 4000 points seen from the true pose, starting from a wrong one.
+  UpdateReport run(bool corridor, LioState& state, LioMatrix& p) {
+    // The corridor goes on beyond what the scan sees: where a map ends, its edge looks like structure.
+    const auto scene = [&](int count, unsigned seed, double stretch) {
+      return corridor ? corridor_points(count, 0.02, seed, stretch) : room_points(count, 0.02, seed);
+    };
+    const auto map = make_plane_voxel_map({0.5, 0.02, 50.0, 100.0});
+    map->insert(scene(90000, 1, 1.5), Eigen::Vector3d::Zero());
+    const RigidTransform T_imu_world = truth_.T_world_imu.inverse();
+    std::vector<Eigen::Vector3f> points;
+    for (const Eigen::Vector3d& q : scene(4000, 99, 1.0)) points.push_back((T_imu_world * q).cast<float>());
+    return iterated_update(points, *map, config_, residuals_, state, p);
+  }
+
+  NavState truth_ = state_at({0.02, -0.01, 0.03}, {0.10, -0.06, 0.04}).nav;
+};
+
+TEST_F(RegisterToScene, FindsThePoseInARoomToMillimetres) {
+  LioState state;
+  LioMatrix p = LioMatrix::Identity() * 0.01;
+  const UpdateReport report = run(false, state, p);
+  ASSERT_TRUE(report.applied);
+  EXPECT_LT((state.nav.T_world_imu.translation - truth_.T_world_imu.translation).norm(), 3e-3);
+  EXPECT_LT(log_so3(state.nav.T_world_imu.rotation.conjugate() * truth_.T_world_imu.rotation).norm(), 1e-3);
+  EXPECT_GT(report.localizability.support.minCoeff(), 0.9);
+  EXPECT_LT(p(kPosition, kPosition), 1e-5);
+}
+
+TEST_F(RegisterToScene, LeavesTheAxisOfACorridorToThePrior) {
+  LioState state;
+  LioMatrix p = LioMatrix::Identity() * 0.01;
+  const UpdateReport report = run(true, state, p);
+  ASSERT_TRUE(report.applied);
+  EXPECT_NEAR(state.nav.T_world_imu.translation.x(), 0.0, 0.01) << "nothing tells of x, so it stays";
+  EXPECT_NEAR(p(kPosition, kPosition), 0.01, 1e-3) << "and its uncertainty too";
+  EXPECT_NEAR(state.nav.T_world_imu.translation.y(), truth_.T_world_imu.translation.y(), 0.01);
+  EXPECT_LT(p(kPosition + 1, kPosition + 1), 1e-4);
+  EXPECT_LT(report.localizability.support.minCoeff(), 0.1);
+  EXPECT_GT(report.localizability.support.maxCoeff(), 0.9);
+}
+
+TEST_F(RegisterToScene, ScansWithoutMatchesLeaveStateAndCovarianceAlone) {
+  LioState state = state_at({0, 0, 0}, {500, 500, 0});
+  LioMatrix p = LioMatrix::Identity() * 0.01;
+  const UpdateReport report = run(false, state, p);
+  EXPECT_FALSE(report.applied);
+  EXPECT_EQ(state.nav.T_world_imu.translation.x(), 500.0);
+  EXPECT_EQ(p, LioMatrix(LioMatrix::Identity() * 0.01));
+}
+
+}  // namespace
+}  // namespace allan_lio

@@ -1,0 +1,125 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/lio/point_to_plane.h"
+
+#include <gtest/gtest.h>
+
+#include "allan_lio/lio/iterated_update.h"
+#include "allan_lio/math/so3.h"
+#include "scene_points.h"
+
+namespace allan_lio {
+namespace {
+
+using Pose6 = Eigen::Matrix<double, 6, 6>;
+
+/// One plane everywhere: the residual in its purest form.
+class OnePlaneMap : public VoxelMap {
+ public:
+  explicit OnePlaneMap(const Plane& plane) : plane_(plane) {}
+  void insert(const std::vector<Eigen::Vector3d>&, const Eigen::Vector3d&) override {}
+  const Plane* find(const Eigen::Vector3d&, Plane&) const override { return &plane_; }
+  void clear() override {}
+  std::size_t voxels() const override { return 1; }
+  std::size_t bytes() const override { return sizeof(Plane); }
+  std::vector<Eigen::Vector3d> points() const override { return {plane_.center}; }
+
+ private:
+  Plane plane_;
+};
+
+LioState some_state() {
+  LioState state;
+  state.nav.T_world_imu = {exp_so3({0.3, -0.2, 1.0}), {1.0, 2.0, 3.0}};
+  state.T_imu_lidar = {exp_so3({-0.1, 0.4, 0.2}), {0.1, 0.2, -0.3}};
+  return state;
+}
+
+Plane some_plane() {
+  Plane plane;
+  plane.center = {2.0, 1.0, 4.0};
+  plane.normal = Eigen::Vector3d(1.0, 2.0, -1.0).normalized();
+  plane.thickness = 4e-4;
+  return plane;
+}
+
+const ResidualOptions kOptions{4e-4, 1e9, 1e9, true};
+
+TEST(PointToPlane, TheGradientIsTheDerivativeOfTheCostInEveryBlock) {
+  const OnePlaneMap map(some_plane());
+  const LioState state = some_state();
+  const std::vector<Eigen::Vector3f> points{{3.0F, -1.0F, 0.5F}};
+  TaskPool pool(1);
+  PointToPlane residuals(pool);
+  const NormalEquations here = residuals.linearize(points, state, Pose6::Zero(), map, kOptions);
+  // cost(x) = z^2 / (2 variance); the LiDAR point stays the same while the extrinsics move.
+  const Eigen::Vector3d p_lidar = state.T_imu_lidar.inverse() * points[0].cast<double>();
+  const double variance = 4e-4;
+  const auto cost = [&](const LioState& x) {
+    const double z = some_plane().distance(x.nav.T_world_imu * (x.T_imu_lidar * p_lidar));
+    return 0.5 * z * z / variance;
+  };
+  constexpr double kStep = 1e-6;
+  const int columns[12] = {0, 1, 2, 3, 4, 5, 17, 18, 19, 20, 21, 22};
+  const char* blocks[4] = {"rotation", "translation", "extrinsic rotation", "extrinsic translation"};
+  for (int i = 0; i < 12; ++i) {
+    LioVector d = LioVector::Zero();
+    d[columns[i]] = kStep;
+    const double slope = (cost(lio_plus(state, d)) - cost(lio_plus(state, -d))) / (2 * kStep);
+    EXPECT_NEAR(-here.gradient[i], slope, 1e-5 * here.gradient.norm()) << blocks[i / 3];
+  }
+  // A single residual: information = g g^T / (z^2 / variance).
+  const double z2 = here.squared_distance / variance;
+  EXPECT_LT((here.information - here.gradient * here.gradient.transpose() / z2).norm(), 1e-9 * here.information.norm());
+}
+
+TEST(PointToPlane, PointsOnOnePlaneTellNoMoreThanThePlaneKnows) {
+  Plane plane = some_plane();
+  plane.center_variance = 1e-4;
+  plane.group = 3;
+  const OnePlaneMap map(plane);
+  const LioState state = some_state();
+  TaskPool pool(1);
+  PointToPlane residuals(pool);
+  // The same point many times: the distance of the plane is known no better than 1e-4 m^2.
+  for (const int count : {1, 100, 10000}) {
+    const std::vector<Eigen::Vector3f> points(static_cast<std::size_t>(count), {3.0F, -1.0F, 0.5F});
+    const NormalEquations sum = residuals.linearize(points, state, Pose6::Zero(), map, kOptions);
+    const double along_normal = plane.normal.dot(sum.information.block<3, 3>(3, 3) * plane.normal);
+    EXPECT_NEAR(1.0 / along_normal, 4e-4 / count + 1e-4, 1e-9);
+  }
+}
+
+TEST(PointToPlane, AResidualBeyondTheGateDoesNotCount) {
+  const OnePlaneMap map(some_plane());
+  TaskPool pool(1);
+  PointToPlane residuals(pool);
+  ResidualOptions options = kOptions;
+  options.gate = 3.0;
+  const LioState state = some_state();
+  const std::vector<Eigen::Vector3f> points{{3.0F, -1.0F, 0.5F}};
+  EXPECT_EQ(residuals.linearize(points, state, Pose6::Zero(), map, options).inliers, 0);
+  // The same residual passes when the pose itself is that uncertain.
+  EXPECT_EQ(residuals.linearize(points, state, Pose6::Identity() * 25.0, map, options).inliers, 1);
+}
+
+TEST(PointToPlane, TwoThreadsGiveTheSameBitsAsOne) {
+  const auto map = make_plane_voxel_map({0.5, 0.02, 50.0, 100.0});
+  map->insert(room_points(60000, 0.02, 1), Eigen::Vector3d::Zero());
+  std::vector<Eigen::Vector3f> points;
+  for (const Eigen::Vector3d& p : room_points(5000, 0.02, 2)) points.push_back(p.cast<float>());
+  LioState state;
+  TaskPool one(1), two(2);
+  PointToPlane a(one), b(two);
+  const ResidualOptions options{4e-4, 3.0, 2.0, false};
+  const NormalEquations x = a.linearize(points, state, Pose6::Identity() * 1e-4, *map, options);
+  const NormalEquations y = b.linearize(points, state, Pose6::Identity() * 1e-4, *map, options);
+  EXPECT_GT(x.inliers, 3000);
+  EXPECT_EQ(x.inliers, y.inliers);
+  EXPECT_EQ(x.information, y.information);
+  EXPECT_EQ(x.gradient, y.gradient);
+  EXPECT_EQ(x.feigned, y.feigned);
+}
+
+}  // namespace
+}  // namespace allan_lio

@@ -1,0 +1,115 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/imu/state_propagator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace allan_lio {
+namespace {
+
+constexpr TimeNs kStart = 1600000000 * kNsPerSecond;
+constexpr TimeNs kStep = 5'000'000;  // [ns]
+constexpr double kGravity = 9.80665;
+constexpr double kRounding = 1e-12;
+
+ImuSample sample_at(int i) {
+  const double t = 1e-9 * static_cast<double>(kStep) * i;
+  return {kStart + i * kStep, {0.3, -0.2, std::sin(t)}, {std::cos(3 * t), 0.5, kGravity}};
+}
+
+ImuNoise some_noise() {
+  ImuNoise noise;
+  noise.gyro_psd.setConstant(1e-7);
+  noise.accel_psd.setConstant(1e-6);
+  noise.gyro_bias_psd.setConstant(1e-11);
+  noise.accel_bias_psd.setConstant(1e-10);
+  return noise;
+}
+
+NavState state_at(TimeNs stamp) {
+  NavState state;
+  state.stamp = stamp;
+  state.velocity_world = {1.0, 0.5, 0.0};
+  state.gyro_bias = {0.01, 0.0, -0.01};
+  return state;
+}
+
+const NavMatrix kStartCovariance = 1e-4 * NavMatrix::Identity();
+
+void expect_same(const StatePropagator& a, const StatePropagator& b) {
+  EXPECT_EQ(a.estimate().state.stamp, b.estimate().state.stamp);
+  EXPECT_LT(nav_minus(a.estimate().state, b.estimate().state).norm(), kRounding);
+  EXPECT_LT((a.estimate().covariance - b.estimate().covariance).norm(), kRounding);
+}
+
+TEST(StatePropagator, a_late_correction_gives_what_a_prompt_one_gives) {
+  constexpr int kSamples = 60, kCorrection = 20;
+  const TimeNs stamp = kStart + kCorrection * kStep + 2'000'000;  // between two samples
+  StatePropagator prompt(Discretization::kTrapezoid), late(Discretization::kTrapezoid);
+  for (int i = 0; i < kSamples; ++i) {
+    prompt.add(sample_at(i));
+    late.add(sample_at(i));
+    if (i == kCorrection + 1) prompt.restart(state_at(stamp), kStartCovariance, some_noise(), 1.0);
+  }
+  late.restart(state_at(stamp), kStartCovariance, some_noise(), 1.0);
+  expect_same(prompt, late);
+  EXPECT_EQ(late.estimate().state.stamp, sample_at(kSamples - 1).stamp);
+}
+
+TEST(StatePropagator, follows_the_equations_of_the_filter) {
+  StatePropagator propagator(Discretization::kVanLoan);
+  propagator.add(sample_at(0));
+  propagator.restart(state_at(kStart), kStartCovariance, some_noise(), 1.0);
+  ASSERT_TRUE(propagator.add(sample_at(1)));
+  const ImuInterval interval = mean_interval(state_at(kStart), sample_at(0), sample_at(1));
+  const DiscreteModel model = discretize(state_at(kStart), interval, some_noise(), Discretization::kVanLoan);
+  const NavMatrix expected = model.phi * kStartCovariance * model.phi.transpose() + model.q;
+  EXPECT_LT((propagator.estimate().covariance - expected).norm(), kRounding);
+  const NavState moved = propagate_mean(state_at(kStart), interval, some_noise());
+  EXPECT_LT(nav_minus(propagator.estimate().state, moved).norm(), kRounding);
+}
+
+TEST(StatePropagator, readings_in_g_are_scaled) {
+  StatePropagator metric(Discretization::kTrapezoid), in_g(Discretization::kTrapezoid);
+  for (int i = 0; i < 30; ++i) {
+    ImuSample sample = sample_at(i);
+    metric.add(sample);
+    sample.accel /= kGravity;
+    in_g.add(sample);
+    if (i != 3) continue;
+    metric.restart(state_at(sample.stamp), kStartCovariance, some_noise(), 1.0);
+    in_g.restart(state_at(sample.stamp), kStartCovariance, some_noise(), kGravity);
+  }
+  expect_same(metric, in_g);
+}
+
+TEST(StatePropagator, gives_nothing_before_the_first_correction_nor_for_bad_samples) {
+  StatePropagator propagator(Discretization::kTrapezoid);
+  EXPECT_FALSE(propagator.add(sample_at(0)));
+  propagator.restart(state_at(kStart), kStartCovariance, some_noise(), 1.0);
+  EXPECT_TRUE(propagator.add(sample_at(1)));
+  EXPECT_FALSE(propagator.add(sample_at(1)));
+  EXPECT_FALSE(propagator.add(sample_at(0)));
+  ImuSample broken = sample_at(2);
+  broken.gyro.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(propagator.add(broken));
+  EXPECT_TRUE(propagator.add(sample_at(2)));
+  propagator.clear();
+  EXPECT_FALSE(propagator.add(sample_at(0)));
+}
+
+TEST(StatePropagator, a_correction_ahead_of_the_samples_waits_for_them) {
+  StatePropagator propagator(Discretization::kTrapezoid);
+  propagator.add(sample_at(0));
+  propagator.restart(state_at(kStart + 3 * kStep), kStartCovariance, some_noise(), 1.0);
+  EXPECT_FALSE(propagator.add(sample_at(1)));
+  EXPECT_FALSE(propagator.add(sample_at(3)));
+  EXPECT_TRUE(propagator.add(sample_at(4)));
+  EXPECT_EQ(propagator.estimate().state.stamp, sample_at(4).stamp);
+}
+
+}  // namespace
+}  // namespace allan_lio

@@ -1,0 +1,89 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/lio/synchronizer.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace allan_lio {
+namespace {
+
+constexpr TimeNs kMs = 1'000'000;
+
+ImuSample imu(TimeNs ms) { return {ms * kMs, Eigen::Vector3d::Zero(), Eigen::Vector3d(0, 0, 9.8)}; }
+
+Scan scan(TimeNs begin_ms, int length_ms = 100) {
+  Scan s;
+  s.stamp = begin_ms * kMs;
+  s.last_offset_ns = static_cast<std::int32_t>(length_ms * kMs);
+  s.points.push_back({1, 2, 3, 0, 0});
+  return s;
+}
+
+TEST(Synchronizer, HandsOutAScanOnlyWhenTheImuReachesItsEnd) {
+  LioCounters counters;
+  Synchronizer sync(counters);
+  sync.add_imu(imu(0));
+  sync.add_scan(scan(10));
+  sync.add_imu(imu(109));
+  EXPECT_FALSE(sync.take());
+  sync.add_imu(imu(110));
+  EXPECT_TRUE(sync.take());
+  EXPECT_FALSE(sync.take());
+}
+
+TEST(Synchronizer, ScansBeforeTheFirstImuSampleAreCountedNotUsed) {
+  LioCounters counters;
+  Synchronizer sync(counters);
+  sync.add_scan(scan(0));
+  sync.add_scan(scan(100));
+  sync.add_imu(imu(50));
+  sync.add_imu(imu(250));
+  const auto taken = sync.take();
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->stamp, 100 * kMs);
+  EXPECT_EQ(counters.scans_before_imu, 1u);
+}
+
+TEST(Synchronizer, OldRepeatedAndSenselessDataIsDroppedAndCounted) {
+  LioCounters counters;
+  Synchronizer sync(counters);
+  sync.add_imu(imu(10));
+  sync.add_imu(imu(10));
+  sync.add_imu(imu(5));
+  ImuSample nan = imu(20);
+  nan.gyro.x() = std::numeric_limits<double>::quiet_NaN();
+  sync.add_imu(nan);
+  ImuSample infinite = imu(20);
+  infinite.accel.z() = std::numeric_limits<double>::infinity();
+  sync.add_imu(infinite);
+  ImuSample absurd = imu(20);
+  absurd.gyro.y() = 101.0;
+  sync.add_imu(absurd);
+  EXPECT_EQ(counters.imu_dropped_order, 2u);
+  EXPECT_EQ(counters.imu_dropped_invalid, 3u);
+  EXPECT_EQ(sync.imu().size(), 1u);
+  sync.add_scan(scan(100));
+  sync.add_scan(scan(100));
+  sync.add_scan(scan(50));
+  EXPECT_EQ(counters.scans_dropped_order, 2u);
+}
+
+TEST(Synchronizer, TheEndOfTheDataBridgesAShortLackAndGivesUpOnALongOne) {
+  LioCounters counters;
+  Synchronizer sync(counters);
+  sync.add_imu(imu(0));
+  sync.add_imu(imu(90));
+  sync.add_scan(scan(0));
+  sync.add_scan(scan(100));
+  sync.add_scan(scan(200));
+  EXPECT_FALSE(sync.take());
+  sync.end_of_data();
+  EXPECT_TRUE(sync.take()) << "10 ms are missing";
+  EXPECT_FALSE(sync.take()) << "110 ms are missing";
+  EXPECT_EQ(counters.scans_after_imu, 2u);
+}
+
+}  // namespace
+}  // namespace allan_lio

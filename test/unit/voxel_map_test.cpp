@@ -1,0 +1,151 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/map/voxel_map.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "allan_lio/lidar/voxel_downsample.h"
+#include "scene_points.h"
+
+namespace allan_lio {
+namespace {
+
+constexpr double kNoise = 0.02;  // [m]
+const VoxelMapOptions kOptions{0.5, kNoise, 50.0, 100.0};
+
+class EveryVoxelMap : public ::testing::TestWithParam<bool> {
+ protected:
+  std::unique_ptr<VoxelMap> make(const VoxelMapOptions& options) const {
+    return GetParam() ? make_plane_voxel_map(options) : make_point_voxel_map(options);
+  }
+};
+
+TEST_P(EveryVoxelMap, GivesThePlaneOfAWallNearAQuery) {
+  auto map = make(kOptions);
+  map->insert(room_points(60000, kNoise, 1), Eigen::Vector3d::Zero());
+  Plane scratch;
+  const Plane* plane = map->find({1.3, 4.07, 0.2}, scratch);
+  ASSERT_NE(plane, nullptr);
+  constexpr double kNormal = 0.3, kDistance = 0.03;
+  EXPECT_GT(std::abs(plane->normal.y()), 1 - kNormal * kNormal);
+  EXPECT_NEAR(plane->distance({1.3, 4.07, 0.2}), 0.0, kDistance);
+  EXPECT_EQ(map->find({1.3, 0.0, 0.2}, scratch), nullptr) << "nothing stands in the middle of the room";
+}
+
+TEST_P(EveryVoxelMap, IsTheSameForTheSameInput) {
+  auto a = make(kOptions), b = make(kOptions);
+  for (unsigned i = 0; i < 5; ++i) {
+    a->insert(room_points(5000, kNoise, i), Eigen::Vector3d::Zero());
+    b->insert(room_points(5000, kNoise, i), Eigen::Vector3d::Zero());
+  }
+  EXPECT_EQ(a->points(), b->points());
+}
+
+TEST_P(EveryVoxelMap, StaysBelowItsCapWhateverIsInserted) {
+  VoxelMapOptions options = kOptions;
+  options.max_mb = 2.0;
+  auto map = make(options);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int i = 0; i < 60; ++i) {
+    std::vector<Eigen::Vector3d> points;
+    for (int k = 0; k < 2000; ++k)
+      points.push_back(Eigen::Vector3d(10.0 * i, 0, 0) + 20 * Eigen::Vector3d(unit(random), unit(random), unit(random)));
+    map->insert(points, Eigen::Vector3d(10.0 * i, 0, 0));
+    ASSERT_LE(map->bytes(), 2.0e6);
+  }
+  for (const Eigen::Vector3d& p : map->points()) EXPECT_GT(p.x(), 200.0) << "the oldest, farthest part must be gone";
+}
+
+TEST_P(EveryVoxelMap, StillFindsPlanesAfterVoxelsWereForgotten) {
+  VoxelMapOptions options = kOptions;
+  options.max_mb = 1.5;
+  auto map = make(options);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3d here(15.0 * i, 0, 0);
+    std::vector<Eigen::Vector3d> points = room_points(20000, kNoise, 3);
+    for (Eigen::Vector3d& p : points) p += here;
+    map->insert(points, here);
+    Plane scratch;
+    int found = 0;
+    for (const Eigen::Vector3d& p : points) {
+      const Plane* plane = map->find(p, scratch);
+      if (!plane) continue;
+      ++found;
+      ASSERT_LT((plane->center - p).norm(), 3.0);
+    }
+    ASSERT_GT(found, 10000) << "at room " << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Structures, EveryVoxelMap, ::testing::Values(true, false),
+                         [](const auto& info) { return info.param ? "planes" : "points"; });
+
+TEST(PlaneFit, CovarianceOfNormalAndOffsetHoldsOverManyFits) {
+  // Points on z = 0 over 0.5 x 0.4 m; the fit's normal and height against what it says of them.
+  constexpr int kRuns = 500, kPoints = 40;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> u(-0.25, 0.25), v(-0.2, 0.2);
+  std::normal_distribution<double> normal(0.0, kNoise);
+  const PlaneLimits limits{kNoise * kNoise, 0.1, 0.5, 3.0, 6, 1000};
+  double height = 0.0, lean = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    PlaneSums sums;
+    for (int i = 0; i < kPoints; ++i) sums.add({u(random), v(random), normal(random)});
+    Plane plane;
+    ASSERT_TRUE(fit_plane(sums, Eigen::Vector3d::Zero(), limits, plane));
+    const Eigen::Vector3d n = plane.normal.z() < 0 ? Eigen::Vector3d(-plane.normal) : plane.normal;
+    height += plane.center.z() * plane.center.z() / plane.center_variance;
+    const double a = n.dot(Eigen::Vector3d::Zero()) - n.head<2>().norm();
+    lean += a * a / (plane.lean_1.squaredNorm() + plane.lean_2.squaredNorm());
+  }
+  constexpr double kAgreement = 0.25;  // the thickness is floored at the given noise, so the fit errs on the safe side
+  EXPECT_NEAR(height / kRuns, 1.0, kAgreement);
+  EXPECT_NEAR(lean / kRuns, 1.0, kAgreement);
+}
+
+TEST(PlaneFit, RefusesALineABallAndAHandful) {
+  const PlaneLimits limits{kNoise * kNoise, 0.05, 0.15, 3.0, 6, 100};
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  PlaneSums line, ball, few;
+  for (int i = 0; i < 50; ++i) {
+    line.add({0.01 * i, 1e-3 * normal(random), 1e-3 * normal(random)});
+    ball.add({normal(random), normal(random), normal(random)});
+    if (i < 5) few.add({normal(random), normal(random), 0.0});
+  }
+  Plane plane;
+  EXPECT_FALSE(fit_plane(line, Eigen::Vector3d::Zero(), limits, plane));
+  EXPECT_FALSE(fit_plane(ball, Eigen::Vector3d::Zero(), limits, plane));
+  EXPECT_FALSE(fit_plane(few, Eigen::Vector3d::Zero(), limits, plane));
+}
+
+TEST(PlaneFit, RefusesAStripThatIsNarrowerThanItsNoise) {
+  // 1 cm wide with 2 cm of noise: its smallest spread is along its width, which is not its normal.
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> width(-0.005, 0.005), length(-0.25, 0.25);
+  std::normal_distribution<double> normal(0.0, kNoise);
+  PlaneSums strip;
+  for (int i = 0; i < 300; ++i) strip.add({width(random), length(random), normal(random)});
+  Plane plane;
+  EXPECT_FALSE(fit_plane(strip, Eigen::Vector3d::Zero(), {kNoise * kNoise, 0.05, 0.15, 3.0, 6, 100}, plane));
+}
+
+TEST(VoxelDownsampler, KeepsTheFirstPointOfEveryVoxel) {
+  std::vector<ScanPoint> points;
+  for (int i = 0; i < 100; ++i) points.push_back({0.1F * static_cast<float>(i) - 5.0F + 0.05F, 0.05F, 0.05F, 0, i});
+  VoxelDownsampler downsampler;
+  std::vector<std::uint32_t> kept, again;
+  downsampler.select(points, nullptr, 1.0, kept);
+  ASSERT_EQ(kept.size(), 10u);
+  for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_EQ(kept[i], 10 * i);
+  downsampler.select(points, &kept, 2.0, again);
+  EXPECT_EQ(again.size(), 6u);  // voxels -3..2 of edge 2
+  downsampler.select(points, nullptr, 1.0, again);
+  EXPECT_EQ(again, kept);
+}
+
+}  // namespace
+}  // namespace allan_lio
