@@ -47,11 +47,8 @@ void StatePropagator::restart(const NavState& state, const NavMatrix& covariance
 
 bool StatePropagator::add(const ImuSample& sample) {
   if (!sample.gyro.allFinite() || !sample.accel.allFinite() || !samples_.push(sample)) return false;
-  if (!started_) {
-    samples_.discard_before(sample.stamp - kMemory);
-    return false;
-  }
-  if (sample.stamp <= last_.stamp) return false;
+  samples_.discard_before(sample.stamp - kMemory);
+  if (!started_ || sample.stamp <= last_.stamp) return false;
   step(last_, scaled(sample));
   return true;
 }

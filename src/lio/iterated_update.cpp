@@ -27,15 +27,27 @@ ResidualMatrix touched_block(const Eigen::Matrix<double, kLioDof, kResidualDof>&
 }
 
 /// Leaves to the IMU what the scan does not support.
-Localizability weigh_by_support(double floor, NormalEquations& equations) {
+Localizability weigh_by_support(double floor, const PoseRows& rows, NormalEquations& equations) {
   const double scale = std::sqrt(equations.squared_range / equations.inliers);
   const Localizability localizability =
       judge_localizability(equations.information.topLeftCorner<6, 6>(), equations.feigned, scale, floor);
-  ResidualMatrix factor = ResidualMatrix::Identity();
-  factor.topLeftCorner<6, 6>() = support_factor(localizability);
-  equations.information = factor * equations.information * factor.transpose();
-  equations.gradient = factor * factor * equations.gradient;
+  const PoseMatrix factor = support_factor(localizability);
+  equations.information.topLeftCorner<6, 6>() =
+      factor * equations.information.topLeftCorner<6, 6>().eval() * factor.transpose();
+  equations.gradient.head<6>() = factor * factor * equations.gradient.head<6>().eval();
+  equations.spread(rows);
   return localizability;
+}
+
+/// The points as they lie with the iterate's extrinsics; they were deskewed with the prior's.
+const std::vector<Eigen::Vector3f>& moved_points(const std::vector<Eigen::Vector3f>& points, const LioState& iterate,
+                                                 const LioState& prior, bool estimate_extrinsics,
+                                                 std::vector<Eigen::Vector3f>& moved) {
+  if (!estimate_extrinsics) return points;
+  const RigidTransform change = iterate.T_imu_lidar * prior.T_imu_lidar.inverse();
+  moved.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) moved[i] = (change * points[i].cast<double>()).cast<float>();
+  return moved;
 }
 
 bool converged(const LioVector& step, const LioConfig::Update& options) {
@@ -70,6 +82,11 @@ LioMatrix transport(const LioState& y, const LioState& x) {
   return out;
 }
 
+ResidualOptions residual_options(const LioConfig& config) {
+  const double range_sigma = config.lidar.k_r * config.lidar.range_noise;
+  return {range_sigma * range_sigma, config.update.gate, config.update.robust_scale, config.estimate_extrinsics};
+}
+
 UpdateStep solve_step(const LioState& iterate, const LioState& prior, const LioMatrix& prior_covariance,
                       const NormalEquations& equations) {
   const LioMatrix to_iterate = transport(iterate, prior);
@@ -91,24 +108,26 @@ UpdateStep solve_step(const LioState& iterate, const LioState& prior, const LioM
 }
 
 UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, const VoxelMap& map,
-                             const LioConfig& config, PointToPlane& residuals, LioState& state,
-                             LioMatrix& covariance) {
-  const double range_sigma = config.lidar.k_r * config.lidar.range_noise;
-  const ResidualOptions options{range_sigma * range_sigma, config.update.gate, config.update.robust_scale,
-                                config.estimate_extrinsics};
-  const Eigen::Matrix<double, 6, 6> pose_covariance = covariance.topLeftCorner<6, 6>();
+                             const LioConfig& config, PointToPlane& residuals, LioState& state, LioMatrix& covariance) {
+  const ResidualOptions options = residual_options(config);
+  const bool estimate = config.estimate_extrinsics;
+  const PoseRows prior_rows = lidar_pose_rows(state, estimate);
+  const PoseMatrix pose_covariance = prior_rows * touched_block(touched_columns(covariance)) * prior_rows.transpose();
   const LioState prior = state;
   const LioMatrix prior_covariance = covariance;
 
   UpdateReport report;
   LioState iterate = prior;
+  std::vector<Eigen::Vector3f> moved;
   for (int i = 0; i < config.update.max_iterations; ++i) {
-    NormalEquations equations = residuals.linearize(points_imu, iterate, pose_covariance, map, options);
+    const auto& points = moved_points(points_imu, iterate, prior, estimate, moved);
+    NormalEquations equations = residuals.linearize(points, iterate, pose_covariance, map, options);
     if (equations.inliers < kLeastInliers) {
       covariance = prior_covariance;
       return UpdateReport{};
     }
-    report.localizability = weigh_by_support(config.update.support_floor, equations);
+    report.localizability =
+        weigh_by_support(config.update.support_floor, lidar_pose_rows(iterate, estimate), equations);
     const UpdateStep solution = solve_step(iterate, prior, prior_covariance, equations);
     const LioState next = lio_plus(iterate, solution.step);
     const LioMatrix reset = transport(next, iterate);

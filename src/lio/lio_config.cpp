@@ -108,7 +108,8 @@ void declare_init(ParameterVisitor& v, LioConfig::Init& init) {
   v.number({"init/standstill_time", "s", "Length of the standstill at the start from which tilt and biases are taken. Raise it for a better start, if the robot stands that long."}, init.standstill_time, 1.0, Range::between(0.05, 60.0));
   v.number({"init/gyro_still", "rad/s", "Standard deviation of the gyro above which the start counts as moving. Raise it for a vibrating robot that stands."}, init.gyro_still, 0.02, Range::positive());
   v.number({"init/accel_still", "m/s^2", "Standard deviation of the accelerometer above which the start counts as moving. Raise it for a vibrating robot that stands."}, init.accel_still, 0.15, Range::positive());
-  v.number({"init/velocity_sigma", "m/s", "1 sigma of the velocity at the start: the IMU cannot tell a standstill from a steady ride. Raise it for a start on the motorway."}, init.velocity_sigma, 10.0, Range::positive());
+  v.number({"init/velocity_sigma", "m/s", "1 sigma of the velocity at any other start. Raise it for a start on the motorway."}, init.velocity_sigma, 10.0, Range::positive());
+  v.number({"init/still_velocity_sigma", "m/s", "1 sigma of the velocity of a start that IMU and LiDAR both see still. Raise it when the start may be a steady ride down a tunnel."}, init.still_velocity_sigma, 0.05, Range::positive());
   v.number({"init/moving_time", "s", "Length of the record from which tilt is taken when the start is moving."}, init.moving_time, 0.2, Range::between(0.01, 10.0));
   v.number({"init/moving_accel_sigma", "m/s^2", "1 sigma of the mean acceleration of a moving start; makes the tilt's uncertainty."}, init.moving_accel_sigma, 1.0, Range::positive());
 }

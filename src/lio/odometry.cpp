@@ -16,7 +16,8 @@ LioResult Odometry::Impl::process(Scan scan) {
   LioResult result = begin_result(scan);
   if (result.registered < config_.lidar.min_points) return finish(ScanOutcome::kTooFewPoints, std::move(scan), result);
 
-  deskewer_ = make_deskewer(scan, track);
+  const NavState predicted = state_.nav;
+  deskewer_ = make_deskewer(scan, track, predicted);
   deskew_points(scan);
   if (map_->voxels() == 0) {
     make_first_pose();
@@ -24,13 +25,16 @@ LioResult Odometry::Impl::process(Scan scan) {
     return finish(ScanOutcome::kFirst, std::move(scan), result);
   }
 
-  const Eigen::Vector3d predicted_velocity = state_.nav.velocity_world;
   const UpdateReport report =
       iterated_update(registered_points_, *map_, config_, residuals_, state_, covariance_);
   describe(report, result);
   if (!report.applied) return finish(ScanOutcome::kTooFewMatches, std::move(scan), result);
 
-  if (is_distorted(scan, predicted_velocity)) found_map_again(scan, track);
+  if (config_.estimate_extrinsics) {  // the points lie elsewhere now
+    deskewer_ = make_deskewer(scan, track, predicted);
+    deskew_points(scan);
+  }
+  if (is_distorted(scan, predicted.velocity_world)) found_map_again(scan, track);
   insert_scan();
   return finish(ScanOutcome::kUpdated, std::move(scan), result);
 }
@@ -56,5 +60,11 @@ const LioCounters& Odometry::counters() const { return impl_->counters_; }
 const LioConfig& Odometry::config() const { return impl_->config_; }
 double Odometry::accel_scale() const { return impl_->accel_scale_; }
 void Odometry::set_noise_scale(const NoiseScale& scale) { impl_->set_noise_scale(scale); }
+
+void Odometry::restart() {
+  auto fresh = std::make_unique<Impl>(impl_->config_);
+  fresh->counters_ = impl_->counters_;
+  impl_ = std::move(fresh);
+}
 
 }  // namespace allan_lio

@@ -63,12 +63,12 @@ bool Odometry::Impl::initialize_from_imu() {
   for (ImuSample& sample : record) sample.accel *= accel_scale_;
   const InitOptions options{config_.imu.gravity, config_.init.gyro_still, config_.init.accel_still,
                             config_.init.velocity_sigma, config_.init.moving_accel_sigma};
-  const bool still = is_still(record, options);
-  if (!still) {
+  quiet_start_ = is_still(record, options);
+  if (!quiet_start_) {
     const TimeNs short_end = from + to_ns(config_.init.moving_time);
     while (record.size() > 2 && record.back().stamp > short_end) record.pop_back();
   }
-  const InitialState initial = initialize(record, still, config_.imu.spec, noise_, options);
+  const InitialState initial = initialize(record, quiet_start_, config_.imu.spec, noise_, options);
   state_.nav = initial.state;
   state_.nav.stamp = start;
   covariance_.topLeftCorner<kNavDof, kNavDof>() = initial.covariance;
@@ -133,9 +133,10 @@ void Odometry::Impl::select_points(const Scan& scan) {
   downsampler_.select(scan.points, &inserted_, config_.lidar.leaf, registered_);
 }
 
-Deskewer Odometry::Impl::make_deskewer(const Scan& scan, const std::vector<TrackSegment>& track) const {
+Deskewer Odometry::Impl::make_deskewer(const Scan& scan, const std::vector<TrackSegment>& track,
+                                       const NavState& reference) const {
   if (!config_.lidar.deskew) return Deskewer(state_.T_imu_lidar);
-  return Deskewer(scan, track, state_.nav, state_.T_imu_lidar, noise_);
+  return Deskewer(scan, track, reference, state_.T_imu_lidar, noise_);
 }
 
 void Odometry::Impl::deskew_points(const Scan& scan) {
@@ -165,6 +166,7 @@ void Odometry::Impl::make_first_pose() {
   nav.T_world_imu.translation.setZero();
   nav.velocity_world = turn * nav.velocity_world;
   nav.gravity_world = turn * nav.gravity_world;
+  first_pose_ = nav.T_world_imu;
   anchor_pose();
 }
 
@@ -177,6 +179,26 @@ void Odometry::Impl::anchor_pose() {
   covariance_ = turn * covariance_ * turn.transpose();
   covariance_.topRows<6>().setZero();
   covariance_.leftCols<6>().setZero();
+  if (config_.estimate_extrinsics) anchor_lidar_pose();
+}
+
+void Odometry::Impl::anchor_lidar_pose() {
+  // The IMU's pose errs by what cancels the extrinsics' error in the LiDAR's pose; v and g turn along.
+  const Eigen::Matrix3d rotation = state_.nav.T_world_imu.rotation.toRotationMatrix();
+  const Eigen::Matrix<double, 6, 6> pose = -lidar_pose_rows(state_, true).rightCols<6>();
+  LioMatrix turn = LioMatrix::Identity();
+  turn.block<6, 6>(kTheta, kExtrinsicRotation) = pose;
+  turn.block<3, 6>(kVelocity, kExtrinsicRotation) = -skew(state_.nav.velocity_world) * rotation * pose.topRows<3>();
+  turn.block<2, 6>(kGravity, kExtrinsicRotation) =
+      s2_basis(state_.nav.gravity_world).transpose() * rotation * pose.topRows<3>();
+  covariance_ = turn * covariance_ * turn.transpose();
+}
+
+void Odometry::Impl::settle_standstill() {
+  LioState start = state_;
+  start.nav.T_world_imu = first_pose_;
+  if (agrees_with_standstill(registered_points_, start, *map_, residual_options(config_), residuals_))
+    update_zero_velocity(config_.init.still_velocity_sigma, state_, covariance_);
 }
 
 bool Odometry::Impl::is_distorted(const Scan& scan, const Eigen::Vector3d& predicted_velocity) const {
@@ -196,8 +218,7 @@ void Odometry::Impl::found_map_again(const Scan& scan, std::vector<TrackSegment>
     track[i].start.T_world_imu = reference.T_world_imu;
     reference = propagate_mean(track[i].start, track[i].interval, noise_);
   }
-  deskewer_ = config_.lidar.deskew ? Deskewer(scan, track, reference, state_.T_imu_lidar, noise_)
-                                   : Deskewer(state_.T_imu_lidar);
+  deskewer_ = make_deskewer(scan, track, reference);
   deskew_points(scan);
   map_->clear();
   anchor_pose();

@@ -10,6 +10,7 @@
 #include "allan_lio/lio/iterated_update.h"
 #include "allan_lio/lio/odometry.h"
 #include "allan_lio/lio/synchronizer.h"
+#include "allan_lio/lio/zero_velocity.h"
 #include "allan_lio/map/voxel_map.h"
 
 namespace allan_lio {
@@ -31,7 +32,8 @@ class Odometry::Impl {
   void bridge(double gap);
 
   void select_points(const Scan& scan);
-  Deskewer make_deskewer(const Scan& scan, const std::vector<TrackSegment>& track) const;
+  /// `reference`: where the track ends.
+  Deskewer make_deskewer(const Scan& scan, const std::vector<TrackSegment>& track, const NavState& reference) const;
   void deskew_points(const Scan& scan);
   void insert_scan();
 
@@ -40,6 +42,14 @@ class Odometry::Impl {
   /// The map is about to be founded at this pose, so it is known exactly: its uncertainty goes over to velocity and
   /// gravity, which are known relative to the body.
   void anchor_pose();
+  /// The map is the LiDAR's: when the extrinsics are estimated it is the LiDAR's pose that is known exactly, and the
+  /// IMU's is as uncertain as the extrinsics.
+  void anchor_lidar_pose();
+
+  /// True at the second scan of a start whose IMU is quiet.
+  bool may_stand_still() const { return quiet_start_ && scans_processed_ == 1; }
+  /// Takes the velocity for zero if the scan shows no motion either.
+  void settle_standstill();
 
   /// True in the first scans of a moving start: the velocity at hand when the scan was deskewed was so wrong that
   /// the map's first points are smeared by more than their noise.
@@ -65,6 +75,8 @@ class Odometry::Impl {
   PointToPlane residuals_;
 
   bool initialized_ = false;
+  bool quiet_start_ = false;
+  RigidTransform first_pose_;  ///< T_world_imu where the map was founded
   double accel_scale_ = 1.0;
   LioState state_;
   LioMatrix covariance_ = LioMatrix::Zero();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "allan_lio/math/so3.h"
+
 namespace allan_lio {
 namespace {
 
@@ -21,7 +23,6 @@ PoseVector6 pose_row(const Eigen::Vector3d& q, const Eigen::Matrix3d& back, cons
 struct Context {
   Eigen::Matrix3d rotation, back;
   Eigen::Vector3d translation;
-  RigidTransform T_lidar_imu;
   Eigen::Matrix<double, 6, 6> pose_covariance;
   const ResidualOptions& options;
 
@@ -29,17 +30,9 @@ struct Context {
       : rotation(state.nav.T_world_imu.rotation.toRotationMatrix()),
         back(rotation.transpose()),
         translation(state.nav.T_world_imu.translation),
-        T_lidar_imu(state.T_imu_lidar.inverse()),
         pose_covariance(covariance),
         options(residual_options) {}
 };
-
-void add_extrinsics(const Context& context, const Eigen::Vector3d& q, const Plane& plane, ResidualVector& row) {
-  const Eigen::Vector3d normal_imu = context.back * plane.normal;
-  const Eigen::Vector3d normal_lidar = context.T_lidar_imu.rotation * normal_imu;
-  row.segment<3>(6) = (context.T_lidar_imu * q).cross(normal_lidar);
-  row.segment<3>(9) = normal_imu;
-}
 
 void add_residual(const Context& context, const Eigen::Vector3d& q, const Plane& plane, double sharing,
                   NormalEquations& sum) {
@@ -47,6 +40,7 @@ void add_residual(const Context& context, const Eigen::Vector3d& q, const Plane&
   const Eigen::Vector3d point = context.rotation * q + context.translation;
   const double z = plane.distance(point);
   const PoseVector6 row = pose_row(q, context.back, plane.normal);
+  ++sum.matched;
   const double single = std::max(options.range_variance, plane.thickness) + plane.variance_at(point);
   const double pose_variance = row.dot(context.pose_covariance * row);
   if (z * z > options.gate * options.gate * (single + pose_variance)) return;
@@ -55,16 +49,8 @@ void add_residual(const Context& context, const Eigen::Vector3d& q, const Plane&
   const double deviations = std::abs(z) / std::sqrt(single);
   const double robust = deviations <= options.robust_scale ? 1.0 : options.robust_scale / deviations;
   const double weight = robust / variance;
-  if (options.estimate_extrinsics) {
-    ResidualVector full;
-    full.head<6>() = row;
-    add_extrinsics(context, q, plane, full);
-    sum.information.noalias() += weight * full * full.transpose();
-    sum.gradient -= weight * z * full;
-  } else {
-    sum.information.topLeftCorner<6, 6>().noalias() += weight * row * row.transpose();
-    sum.gradient.head<6>() -= weight * z * row;
-  }
+  sum.information.topLeftCorner<6, 6>().noalias() += weight * row * row.transpose();
+  sum.gradient.head<6>() -= weight * z * row;
   const PoseVector6 lean_1 = pose_row(q, context.back, plane.lean_1);
   const PoseVector6 lean_2 = pose_row(q, context.back, plane.lean_2);
   sum.feigned.noalias() += weight * lean_1 * lean_1.transpose();
@@ -76,12 +62,31 @@ void add_residual(const Context& context, const Eigen::Vector3d& q, const Plane&
 
 }  // namespace
 
+PoseRows lidar_pose_rows(const LioState& state, bool estimate_extrinsics) {
+  PoseRows rows = PoseRows::Identity();
+  if (!estimate_extrinsics) return rows;
+  const Eigen::Matrix3d R_world_imu = state.nav.T_world_imu.rotation.toRotationMatrix();
+  const Eigen::Matrix3d R_imu_lidar = state.T_imu_lidar.rotation.toRotationMatrix();
+  rows.block<3, 3>(0, 6) = R_imu_lidar;
+  rows.block<3, 3>(3, 6) = R_world_imu * skew(state.T_imu_lidar.translation) * R_imu_lidar;
+  rows.block<3, 3>(3, 9) = R_world_imu;
+  return rows;
+}
+
+void NormalEquations::spread(const PoseRows& rows) {
+  const Eigen::Matrix<double, 6, 6> pose_information = information.topLeftCorner<6, 6>();
+  const PoseVector6 pose_gradient = gradient.head<6>();
+  information = rows.transpose() * pose_information * rows;
+  gradient = rows.transpose() * pose_gradient;
+}
+
 void NormalEquations::add(const NormalEquations& other) {
   information += other.information;
   gradient += other.gradient;
   feigned += other.feigned;
   squared_range += other.squared_range;
   squared_distance += other.squared_distance;
+  matched += other.matched;
   inliers += other.inliers;
 }
 
@@ -121,6 +126,7 @@ NormalEquations PointToPlane::linearize(const std::vector<Eigen::Vector3f>& poin
   });
   NormalEquations total;
   for (const NormalEquations& block : blocks_) total.add(block);
+  total.spread(lidar_pose_rows(state, options.estimate_extrinsics));
   return total;
 }
 

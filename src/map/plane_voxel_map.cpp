@@ -15,7 +15,7 @@ constexpr std::uint32_t kFullAfter = 1000;  ///< points; then the plane is fixed
 constexpr double kMaxLean = 0.15;           ///< [rad]
 constexpr double kMaxThickness = 0.06;      ///< of the edge
 constexpr double kLeastAspect = 3.0;
-constexpr std::uint32_t kMinPoints = 6;
+constexpr std::uint32_t kMinPoints = 12;
 constexpr std::uint32_t kMaxIndependent = 100;
 
 struct PlaneVoxel {

@@ -44,8 +44,8 @@ void BagPlayer::wait_for_filter(double patience) {
   const std::string name = filter_ + "/finish";
   const ros::WallTime until = ros::WallTime::now() + ros::WallDuration(patience);
   while (!ros::service::exists(name, false)) {
-    if (!ros::ok() || ros::WallTime::now() > until)
-      throw std::runtime_error("no answer from " + name + ": the filter does not run");
+    if (!ros::ok()) throw std::runtime_error("interrupted");
+    if (ros::WallTime::now() > until) throw std::runtime_error("no answer from " + name + ": the filter does not run");
     ros::WallDuration(0.05).sleep();
   }
   constexpr bool kPersistent = true;  // a connection that stays makes the questions cheap

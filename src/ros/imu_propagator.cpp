@@ -24,6 +24,7 @@ ImuPropagator::ImuPropagator(ros::NodeHandle handle, ros::NodeHandle private_han
       T_base_imu_(resolve_extrinsics(config_, kTfPatience)),
       propagator_(config_.imu.discretization),
       odometry_(handle.advertise<nav_msgs::Odometry>("imu_odometry", 1000)) {
+  show_in_force(private_handle, config_);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   state_subscriber_ = handle.subscribe("state", kStateQueue, &ImuPropagator::on_state, this, hints);
   imu_subscriber_ = handle.subscribe(config_.topics.imu, kImuQueue, &ImuPropagator::on_imu, this, hints);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/ros/lio_session.h"
 
+#include <algorithm>
+#include <cstdio>
 #include <ctime>
 #include <exception>
 #include <utility>
@@ -13,6 +15,12 @@ namespace {
 
 /// Clouds in a row that may fail before the run is given up.
 constexpr std::uint64_t kHopelessClouds = 50;
+
+/// Stamps that lie back by more than this are of a new recording, if so many samples in a row say so; else they are
+/// late or damaged, and the estimator drops them.
+constexpr TimeNs kBackInTime = 1 * kNsPerSecond;
+constexpr int kSamplesBackInTime = 10;
+constexpr double kLongestInterval = 0.1;  // [s] between IMU samples; longer is a gap
 
 double process_cpu_seconds() {
   timespec now{};
@@ -50,13 +58,38 @@ LioSession::~LioSession() {
 
 void LioSession::add(const sensor_msgs::Imu& message) {
   const ImuSample sample = to_imu_sample(message);
-  if (imu_count_++ == 0) first_imu_ = sample.stamp;
-  last_imu_ = sample.stamp;
+  if (is_new_recording(sample.stamp)) restart(sample.stamp);
+  const double step = seconds_between(newest_imu_, sample.stamp);
+  if (step > 0.0 && step < kLongestInterval) {
+    imu_seconds_ += step;
+    ++imu_steps_;
+  }
+  newest_imu_ = std::max(newest_imu_, sample.stamp);
   odometry_->add_imu(sample);
   take_results();
 }
 
+bool LioSession::is_new_recording(TimeNs stamp) {
+  if (stamp < newest_imu_ - kBackInTime) return ++samples_back_in_time_ >= kSamplesBackInTime;
+  samples_back_in_time_ = 0;
+  return false;
+}
+
+void LioSession::restart(TimeNs stamp) {
+  char back[40];
+  std::snprintf(back, sizeof back, "%.3f", seconds_between(stamp, newest_imu_));
+  restarted_ = "the stamps went back by " + std::string(back) + " s: the estimator has started again, with a new map";
+  ++restarts_;
+  end_of_data();
+  odometry_->restart();
+  newest_imu_ = stamp;
+  samples_back_in_time_ = 0;
+  new_cloud_to_come_ = true;
+}
+
 std::string LioSession::add(const sensor_msgs::PointCloud2& message) {
+  if (new_cloud_to_come_ && to_time_ns(message.header.stamp) > newest_imu_ + kBackInTime) return "";
+  new_cloud_to_come_ = false;
   std::string error;
   {
     CpuMeter meter(pending_seconds_);
@@ -95,7 +128,7 @@ void LioSession::end_of_data() {
 }
 
 double LioSession::imu_interval() const {
-  return imu_count_ < 2 ? 0.0 : seconds_between(first_imu_, last_imu_) / static_cast<double>(imu_count_ - 1);
+  return imu_steps_ == 0 ? 0.0 : imu_seconds_ / static_cast<double>(imu_steps_);
 }
 
 std::string LioSession::hopeless() const {
@@ -130,6 +163,7 @@ void LioSession::finish(const std::string& status) {
   if (undecodable_ > 0)
     summary.notes.push_back(std::to_string(undecodable_) +
                             " messages could not be decoded; the last: " + last_refusal_);
+  if (restarts_ > 0) summary.notes.push_back(restarted_ + " (" + std::to_string(restarts_) + " times in all)");
   summary.inputs = inputs_;
   summary.status = status;
   writer_->finish(summary);

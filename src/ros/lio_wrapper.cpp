@@ -20,6 +20,7 @@ LioWrapper::LioWrapper(ros::NodeHandle handle, ros::NodeHandle private_handle)
       T_base_imu_(resolve_extrinsics(parameters_.config, kTfPatience)),
       publisher_(std::make_unique<LioPublisher>(private_handle, parameters_.config, T_base_imu_)) {
   const LioConfig& config = parameters_.config;
+  show_in_force(private_handle, config);
   session_ = std::make_unique<LioSession>(config, parameters_.out,
                                           [this](const LioResult& r) { publisher_->publish(r, *session_); });
   ROS_INFO("imu: %s, lidar: %s, k_g %g, k_a %g, k_gb %g, k_ab %g, configuration %s", config.topics.imu.c_str(),
@@ -43,18 +44,20 @@ void LioWrapper::on_cloud(const sensor_msgs::PointCloud2ConstPtr& message) {
   if (finished_) return;
   const std::string error = session_->add(*message);
   if (!error.empty()) ROS_ERROR_STREAM_THROTTLE(2.0, "scan refused: " << error);
-  tell_verdict();
+  tell_news();
 }
 
-void LioWrapper::tell_verdict() {
-  if (session_->verdict() == told_verdict_) return;
+void LioWrapper::tell_news() {
+  if (session_->restarts() != told_restarts_) ROS_WARN_STREAM(session_->restarted());
+  told_restarts_ = session_->restarts();
+  if (session_->verdict() != told_verdict_) ROS_INFO_STREAM(session_->verdict());
   told_verdict_ = session_->verdict();
-  ROS_INFO_STREAM(told_verdict_);
 }
 
 void LioWrapper::on_map_timer(const ros::WallTimerEvent&) { publisher_->publish_map(*session_); }
 
 bool LioWrapper::on_finish(Finish::Request& request, Finish::Response& response) {
+  if (!finished_) session_->set_inputs(request.inputs);
   const bool all_here = imu_received_ >= request.imu_sent && scans_received_ >= request.scans_sent;
   if (request.end && all_here && !finished_) finish(request);
   response.imu_received = imu_received_;
@@ -71,7 +74,6 @@ bool LioWrapper::on_finish(Finish::Request& request, Finish::Response& response)
 void LioWrapper::finish(const Finish::Request& request) {
   finished_ = true;
   for (const std::string& note : request.notes) session_->add_note(note);
-  session_->set_inputs(request.inputs);
   try {
     session_->end_of_data();
     trouble_ = session_->why_nothing();

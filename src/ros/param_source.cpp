@@ -83,11 +83,6 @@ XmlRpcValue to_value(const ConfigEntry& entry) {
   return list;
 }
 
-void set_in_force(const ros::NodeHandle& handle, const LioConfig& config) {
-  const ros::NodeHandle in_force(handle, kInForce);
-  for (const auto& [key, entry] : to_source(config)) in_force.setParam(key, to_value(entry));
-}
-
 }  // namespace
 
 ConfigSource flatten_parameters(const XmlRpcValue& tree, const std::string& origin) {
@@ -110,8 +105,12 @@ NodeParameters read_node_parameters(const ros::NodeHandle& private_handle) {
   const std::string name = take_text(given, "config");
   const ConfigSource base = name.empty() ? ConfigSource() : load_yaml(name, config_search_dirs());
   parameters.config = read_config(merge(base, given));
-  set_in_force(private_handle, parameters.config);
   return parameters;
+}
+
+void show_in_force(const ros::NodeHandle& private_handle, const LioConfig& config) {
+  const ros::NodeHandle in_force(private_handle, kInForce);
+  for (const auto& [key, entry] : to_source(config)) in_force.setParam(key, to_value(entry));
 }
 
 }  // namespace allan_lio

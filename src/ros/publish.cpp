@@ -28,8 +28,7 @@ RigidTransform look_up(const tf2_ros::Buffer& buffer, const std::string& target,
   if (target == source) return {};
   const ros::WallTime until = ros::WallTime::now() + ros::WallDuration(patience);
   // tf2's own waiting counts in ROS time, which stands still until a simulated clock comes.
-  std::string why;
-  while (!buffer.canTransform(target, source, ros::Time(0), &why)) {
+  for (std::string why; !buffer.canTransform(target, source, ros::Time(0), &why); why.clear()) {
     if (!ros::ok() || ros::WallTime::now() > until)
       throw ConfigError("frames/extrinsics_from_tf: no transform from '" + source + "' to '" + target + "' within " +
                         std::to_string(static_cast<int>(patience)) + " s: " + why);
@@ -97,6 +96,7 @@ void LioPublisher::extend_path(const LioResult& result) {
   pose.header.stamp = to_ros_time(result.state.nav.stamp);
   pose.header.frame_id = config_.frames.odom;
   pose.pose = to_pose(result.state.nav.T_world_imu * T_base_imu_.inverse());
+  if (pose.header.stamp < track_.header.stamp) track_.poses.clear();  // the estimator has started again
   track_.header.stamp = pose.header.stamp;
   const bool far = track_.poses.empty() ||
                    (from_point(track_.poses.back().pose.position) - from_point(pose.pose.position)).norm() >= kPathStep;

@@ -10,11 +10,11 @@
 #include <iostream>
 
 #include "allan_lio/io/config_source.h"
-#include "allan_lio/io/pcd.h"
 #include "allan_lio/io/yaml_source.h"
 #include "allan_lio/ros/bag_source.h"
 #include "allan_lio/ros/config_dirs.h"
 #include "allan_lio/ros/lio_session.h"
+#include "allan_lio/ros/save_map.h"
 
 namespace {
 
@@ -110,8 +110,7 @@ void print_summary(const LioSession& session, const Arguments& a) {
             << " IMU samples";
   if (c.scans_used > 0)
     std::printf(", %.2f ms of CPU per scan", 1e3 * session.cpu_seconds() / static_cast<double>(c.scans_used));
-  std::cout << "\nresults: " << a.out << "/trajectory.tum, states.csv, summary.yaml" << (a.map ? ", map.pcd" : "")
-            << '\n';
+  std::cout << "\nresults: " << a.out << "/trajectory.tum, states.csv, summary.yaml\n";
 }
 
 int run(const Arguments& a) {
@@ -141,10 +140,10 @@ int run(const Arguments& a) {
     if (trouble.empty()) trouble = text;
   }
   session.finish(stopped ? "interrupted" : trouble.empty() ? "complete" : "incomplete: " + trouble);
-  if (a.map) write_pcd(a.out + "/map.pcd", session.odometry().map_points());
   print_summary(session, a);
   if (stopped) std::cerr << "lio_offline: interrupted; what was computed is written\n";
   if (!trouble.empty()) std::cerr << "lio_offline: " << trouble << '\n';
+  if (a.map) save_map(a.out + "/map.pcd", session.odometry().map_points());
   return stopped ? kInterrupted : trouble.empty() ? 0 : kFailed;
 }
 

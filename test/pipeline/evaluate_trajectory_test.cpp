@@ -1,43 +1,26 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "allan_lio/io/tum.h"
+#include "child_process.h"
+#include "temporary_directory.h"
 
 namespace allan_lio {
 namespace {
 
-struct Outcome {
-  int status = -1;
-  std::string text;  ///< what it printed, errors included
-};
-
-Outcome run_tool(const std::string& arguments) {
-  Outcome outcome;
-  FILE* pipe = popen((ALLAN_LIO_BIN_DIR "/evaluate_trajectory " + arguments + " 2>&1").c_str(), "r");
-  char buffer[4096];
-  for (std::size_t n; (n = std::fread(buffer, 1, sizeof(buffer), pipe)) > 0;) outcome.text.append(buffer, n);
-  outcome.status = WEXITSTATUS(pclose(pipe));
-  return outcome;
-}
+Outcome evaluate(const std::string& arguments) { return run_tool("evaluate_trajectory " + arguments); }
 
 class EvaluateTrajectoryTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = ::testing::TempDir() + "allan_lio_evaluate_XXXXXX";
-    ASSERT_NE(mkdtemp(&pattern[0]), nullptr);
-    directory_ = pattern;
     Trajectory reference, estimate;
     for (int i = 0; i < 101; ++i) {  // an L of 50 m and 50 m, the estimate 2 m above it
       StampedPose pose;
@@ -50,17 +33,16 @@ class EvaluateTrajectoryTest : public ::testing::Test {
     write_tum(file("reference.tum"), reference);
     write_tum(file("estimate.tum"), estimate);
   }
-  void TearDown() override { std::filesystem::remove_all(directory_); }
 
-  std::string file(const std::string& name) const { return directory_ + "/" + name; }
+  std::string file(const std::string& name) const { return directory_.file(name); }
   std::string both() const { return "--reference " + file("reference.tum") + " --estimate " + file("estimate.tum"); }
 
-  std::string directory_;
+  TemporaryDirectory directory_;
 };
 
 TEST_F(EvaluateTrajectoryTest, JsonHoldsEveryFigureUnderItsKey) {
   constexpr double kRounding = 1e-9;
-  const Outcome outcome = run_tool(both() + " --align none --json");
+  const Outcome outcome = evaluate(both() + " --align none --json");
   ASSERT_EQ(outcome.status, 0) << outcome.text;
   const YAML::Node json = YAML::Load(outcome.text);  // JSON is YAML
   EXPECT_EQ(json["align"].as<std::string>(), "none");
@@ -81,14 +63,14 @@ TEST_F(EvaluateTrajectoryTest, JsonHoldsEveryFigureUnderItsKey) {
 }
 
 TEST_F(EvaluateTrajectoryTest, Se3IsTheDefaultAndTheTableSaysSo) {
-  const Outcome outcome = run_tool(both());
+  const Outcome outcome = evaluate(both());
   EXPECT_EQ(outcome.status, 0);
   EXPECT_NE(outcome.text.find("alignment            se3"), std::string::npos) << outcome.text;
   EXPECT_NE(outcome.text.find("rmse 0.0000"), std::string::npos) << outcome.text;
 }
 
 TEST_F(EvaluateTrajectoryTest, ErrorsAreWrittenOneLineAPose) {
-  const Outcome outcome = run_tool(both() + " --align none --errors " + file("errors.csv"));
+  const Outcome outcome = evaluate(both() + " --align none --errors " + file("errors.csv"));
   ASSERT_EQ(outcome.status, 0) << outcome.text;
   std::ifstream in(file("errors.csv"));
   std::string line;
@@ -111,14 +93,14 @@ TEST_F(EvaluateTrajectoryTest, BadInputEndsWithASentenceAndAStatus) {
       {both() + " --align sim3", "sim3 not in"},
       {both() + " --errors " + file("no/such/directory.csv"), "directory.csv: cannot be written"}};
   for (const auto& [arguments, sentence] : cases) {
-    const Outcome outcome = run_tool(arguments);
+    const Outcome outcome = evaluate(arguments);
     EXPECT_NE(outcome.status, 0) << arguments;
     EXPECT_NE(outcome.text.find(sentence), std::string::npos) << arguments << " gives " << outcome.text;
   }
 }
 
 TEST_F(EvaluateTrajectoryTest, HelpNamesEveryOption) {
-  const Outcome outcome = run_tool("--help");
+  const Outcome outcome = evaluate("--help");
   EXPECT_EQ(outcome.status, 0);
   for (const char* option : {"--reference", "--estimate", "--align", "--json", "--errors", "--max-gap"})
     EXPECT_NE(outcome.text.find(option), std::string::npos) << option;

@@ -17,6 +17,8 @@ LioVector lio_minus(const LioState& y, const LioState& x);
 /// Takes an error about x to the error about y: the inverse of d lio_minus(lio_plus(y, d), x)/dd at d = 0.
 LioMatrix transport(const LioState& y, const LioState& x);
 
+ResidualOptions residual_options(const LioConfig& config);
+
 struct UpdateReport {
   bool applied = false;  ///< false: too few matches, state and covariance are as they were
   int iterations = 0;
@@ -36,7 +38,8 @@ struct UpdateStep {
 UpdateStep solve_step(const LioState& iterate, const LioState& prior, const LioMatrix& prior_covariance,
                       const NormalEquations& equations);
 
-/// Registers the points (IMU frame at the scan's end) to the map: moves state and covariance to the posterior.
+/// Registers the points (IMU frame at the scan's end, by the state's extrinsics) to the map: moves state and covariance
+/// to the posterior.
 UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, const VoxelMap& map,
                              const LioConfig& config, PointToPlane& residuals, LioState& state, LioMatrix& covariance);
 

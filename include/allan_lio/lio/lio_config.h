@@ -76,7 +76,8 @@ struct LioConfig {
     double standstill_time;   ///< [s]
     double gyro_still;        ///< [rad/s]
     double accel_still;       ///< [m/s^2]
-    double velocity_sigma;    ///< [m/s]
+    double velocity_sigma;        ///< [m/s]
+    double still_velocity_sigma;  ///< [m/s]
     double moving_time;       ///< [s]
     double moving_accel_sigma;  ///< [m/s^2]
   } init;

@@ -53,6 +53,9 @@ class Odometry {
   /// Takes effect with the next scan.
   void set_noise_scale(const NoiseScale& scale);
 
+  /// Forgets everything but the configuration in force and the counters, and starts again with the data to come.
+  void restart();
+
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;

@@ -24,6 +24,13 @@ struct ResidualOptions {
   bool estimate_extrinsics;  ///< else the last six rows and columns stay zero
 };
 
+using PoseRows = Eigen::Matrix<double, 6, kResidualDof>;
+
+/// The points see one pose, the LiDAR's: an error of the extrinsics moves them in the world as some error of the IMU's
+/// pose would. These are [I, A]: the error of the IMU's pose itself, and the one (A) that equals the extrinsics'; A is
+/// left zero unless the extrinsics are estimated.
+PoseRows lidar_pose_rows(const LioState& state, bool estimate_extrinsics);
+
 /// The scan's points as a quadratic cost about a state: cost = x^T information x / 2 - gradient^T x.
 struct NormalEquations {
   ResidualMatrix information = ResidualMatrix::Zero();
@@ -33,9 +40,13 @@ struct NormalEquations {
   Eigen::Matrix<double, 6, 6> feigned = Eigen::Matrix<double, 6, 6>::Zero();
   double squared_range = 0.0;     ///< sum of |q|^2 over the inliers [m^2]
   double squared_distance = 0.0;  ///< sum of z^2 over the inliers [m^2]
-  int inliers = 0;
+  int matched = 0;                ///< points with a plane
+  int inliers = 0;                ///< those inside the gate
 
   void add(const NormalEquations& other);
+
+  /// Sets all 12 rows and columns from those of the IMU's pose.
+  void spread(const PoseRows& rows);
 };
 
 /// Point-to-plane residuals z = n^T (R q + p - c) of points q in the IMU frame at the scan's end, weighted by
@@ -45,7 +56,7 @@ class PointToPlane {
  public:
   explicit PointToPlane(TaskPool& pool) : pool_(pool) {}
 
-  /// `pose_covariance` (rotation, translation) is the prior's, for the gate.
+  /// `pose_covariance` (rotation, translation) is that of the points' pose before the update, for the gate.
   NormalEquations linearize(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
                             const Eigen::Matrix<double, 6, 6>& pose_covariance, const VoxelMap& map,
                             const ResidualOptions& options);
@@ -55,7 +66,7 @@ class PointToPlane {
   void count_groups();
 
   TaskPool& pool_;
-  std::vector<const Plane*> planes_;   ///< a point's plane or null
+  std::vector<const Plane*> planes_;  ///< a point's plane or null
   std::vector<Plane> scratch_;
   std::vector<std::uint32_t> shared_;  ///< by group: points on that plane
   std::vector<NormalEquations> blocks_;

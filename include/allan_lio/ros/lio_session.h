@@ -29,6 +29,8 @@ class LioSession {
   /// Writes what there is with status "interrupted" if finish() was not called.
   ~LioSession();
 
+  /// When the stamps go back by more than a second and stay there (a bag in a loop, a clock set anew), the estimator
+  /// settles what it has and starts again.
   void add(const sensor_msgs::Imu& message);
 
   /// Why the cloud could not be decoded; empty if it could.
@@ -54,6 +56,10 @@ class LioSession {
   /// Not empty once so many clouds in a row could not be decoded, and none could, that it is of no use to go on.
   std::string hopeless() const;
 
+  /// A sentence on the last time that the estimator started again, empty if it never did.
+  const std::string& restarted() const { return restarted_; }
+  std::uint64_t restarts() const { return restarts_; }
+
   /// Why no scan was used, empty if one was.
   std::string why_nothing() const;
 
@@ -64,6 +70,9 @@ class LioSession {
 
  private:
   void take_results();
+  /// True for a sample of a new recording, once enough of them have come.
+  bool is_new_recording(TimeNs stamp);
+  void restart(TimeNs stamp);
 
   std::unique_ptr<Odometry> odometry_;
   CloudDecoder decoder_;
@@ -71,8 +80,13 @@ class LioSession {
   OnResult on_result_;
   std::vector<std::string> notes_, inputs_;
   std::string last_refusal_;
-  std::uint64_t decoded_ = 0, undecodable_ = 0, imu_count_ = 0;
-  TimeNs first_imu_ = 0, last_imu_ = 0;
+  std::uint64_t decoded_ = 0, undecodable_ = 0, imu_steps_ = 0;
+  TimeNs newest_imu_ = 0;
+  double imu_seconds_ = 0.0;        ///< sum of imu_steps_ intervals between samples [s]
+  int samples_back_in_time_ = 0;    ///< in a row
+  bool new_cloud_to_come_ = false;  ///< clouds from before the restart may still be on their way
+  std::string restarted_;
+  std::uint64_t restarts_ = 0;
   double pending_seconds_ = 0.0;  ///< CPU time spent since the last result [s]
   double cpu_seconds_ = 0.0;
   bool finished_ = false;

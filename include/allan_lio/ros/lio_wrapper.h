@@ -33,7 +33,7 @@ class LioWrapper {
   bool on_finish(Finish::Request& request, Finish::Response& response);
   /// Settles everything and completes the files, once.
   void finish(const Finish::Request& request);
-  void tell_verdict();
+  void tell_news();
 
   NodeParameters parameters_;
   RigidTransform T_base_imu_;
@@ -41,6 +41,7 @@ class LioWrapper {
   std::unique_ptr<LioSession> session_;
   std::uint64_t imu_received_ = 0, scans_received_ = 0;
   std::string told_verdict_;
+  std::uint64_t told_restarts_ = 0;
   bool finished_ = false;
   std::string trouble_;  ///< why the results are not complete
 

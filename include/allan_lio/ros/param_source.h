@@ -23,8 +23,11 @@ struct NodeParameters {
 };
 
 /// Reads ~config (a name in config/ or a file) and over it all other private parameters, which have the keys of the
-/// YAML; ~out is the node's own. Sets what is in force under ~in_force: not over the parameters themselves, or the
-/// next start would take this one's values for the user's. Throws ConfigError.
+/// YAML; ~out is the node's own. Throws ConfigError.
 NodeParameters read_node_parameters(const ros::NodeHandle& private_handle);
+
+/// Sets the whole configuration under ~in_force: not over the parameters themselves, or the next start would take
+/// this one's values for the user's.
+void show_in_force(const ros::NodeHandle& private_handle, const LioConfig& config);
 
 }  // namespace allan_lio

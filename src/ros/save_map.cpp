@@ -1,0 +1,36 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/ros/save_map.h"
+
+#include <pcl/io/pcd_io.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <fstream>
+#include <stdexcept>
+
+namespace allan_lio {
+
+void save_map(const std::string& path, const std::vector<WorldPoint>& points) {
+  if (points.empty()) throw std::runtime_error(path + " is not written: the map is empty");
+  // PCL's own words on a path that cannot be opened name neither the path nor the reason.
+  if (!std::ofstream(path, std::ios::binary)) throw std::runtime_error("cannot write " + path);
+  pcl::PointCloud<pcl::PointXYZI> cloud;
+  cloud.reserve(points.size());
+  for (const WorldPoint& p : points) {
+    pcl::PointXYZI point;
+    point.x = p.x;
+    point.y = p.y;
+    point.z = p.z;
+    point.intensity = p.intensity;
+    cloud.push_back(point);
+  }
+  try {
+    if (pcl::io::savePCDFileBinaryCompressed(path, cloud) == 0) return;
+  } catch (const pcl::IOException& error) {
+    throw std::runtime_error("cannot write " + path + ": " + error.what());
+  }
+  throw std::runtime_error("cannot write " + path);
+}
+
+}  // namespace allan_lio
