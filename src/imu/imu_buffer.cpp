@@ -41,6 +41,14 @@ std::vector<ImuSample> ImuBuffer::between(TimeNs from, TimeNs to) const {
   return out;
 }
 
+double ImuBuffer::longest_gap(TimeNs from, TimeNs to) const {
+  double longest = 0.0;
+  auto it = std::lower_bound(samples_.begin(), samples_.end(), from + 1, earlier);
+  for (; it != samples_.end() && it->stamp <= to; ++it)
+    if (it != samples_.begin()) longest = std::max(longest, seconds_between((it - 1)->stamp, it->stamp));
+  return longest;
+}
+
 void ImuBuffer::discard_before(TimeNs t) {
   while (samples_.size() > 1 && samples_[1].stamp <= t) samples_.pop_front();
 }

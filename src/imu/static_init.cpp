@@ -37,8 +37,16 @@ Eigen::Quaterniond level(const Eigen::Vector3d& specific_force) {
 
 }  // namespace
 
-bool is_still(const std::vector<ImuSample>& record, const InitOptions& options) {
+bool is_still(const std::vector<ImuSample>& record, const AllanSpec& spec, const InitOptions& options) {
+  constexpr double kMostSigma = 10.0;  // a specification may be optimistic; a rotation or a push is far beyond it
   const Mean mean = mean_of(record);
+  const Eigen::Array3d gyro_sigma = spec.gyro_turn_on_bias + spec.gyro_bias_instability;
+  const Eigen::Array3d accel_sigma = spec.accel_turn_on_bias + spec.accel_bias_instability;
+  const double seconds = seconds_between(record.front().stamp, record.back().stamp);
+  const Eigen::Array3d gyro_noise = spec.gyro_white.array() / std::sqrt(seconds);
+  if ((mean.gyro.array().abs() > kMostSigma * (gyro_sigma + gyro_noise)).any()) return false;
+  const double accel_noise = spec.accel_white.maxCoeff() / std::sqrt(seconds);
+  if (std::abs(mean.accel.norm() - options.gravity) > kMostSigma * (accel_sigma.maxCoeff() + accel_noise)) return false;
   Eigen::Array3d gyro = Eigen::Array3d::Zero(), accel = Eigen::Array3d::Zero();
   for (const ImuSample& s : record) {
     gyro += (s.gyro - mean.gyro).array().square();

@@ -91,6 +91,8 @@ void declare_map(ParameterVisitor& v, LioConfig::Map& map) {
            map.structure, MapStructure::kPlanes, {"planes", "points"});
   v.number({"map/voxel_size", "m", "Edge of the map's voxels. Raise it outdoors, lower it in cluttered rooms."}, map.voxel_size, 0.5, Range::between(0.05, 20.0));
   v.number({"map/insert_leaf", "m", "Edge of the voxels of which one point each enters the map."}, map.insert_leaf, 0.1, Range::between(0.001, 5.0));
+  v.number({"map/insert_distance", "m", "A scan enters the map when the sensor has moved this far since the last one that did. Raise it for a slow vehicle with a fast LiDAR."}, map.insert_distance, 0.05, Range::not_negative());
+  v.number({"map/insert_angle", "rad", "Or when it has turned by this much."}, map.insert_angle, 0.01, Range::not_negative());
   v.number({"map/radius", "m", "Voxels farther than this from the LiDAR are forgotten when the map is full. Keep it above the LiDAR's range."}, map.radius, 150.0, Range::positive());
   v.number({"map/max_mb", "MB", "Hard cap of the map's memory; the farthest voxels go first."}, map.max_mb, 300.0, Range::between(1.0, 1e6));
 }
@@ -105,7 +107,7 @@ void declare_update(ParameterVisitor& v, LioConfig::Update& update) {
 }
 
 void declare_init(ParameterVisitor& v, LioConfig::Init& init) {
-  v.number({"init/standstill_time", "s", "Length of the standstill at the start from which tilt and biases are taken. Raise it for a better start, if the robot stands that long."}, init.standstill_time, 1.0, Range::between(0.05, 60.0));
+  v.number({"init/standstill_time", "s", "Length of the standstill at the start from which tilt and biases are taken. Raise it for a better start, if the robot stands that long."}, init.standstill_time, 1.0, Range::between(0.05, 4.0));
   v.number({"init/gyro_still", "rad/s", "Standard deviation of the gyro above which the start counts as moving. Raise it for a vibrating robot that stands."}, init.gyro_still, 0.02, Range::positive());
   v.number({"init/accel_still", "m/s^2", "Standard deviation of the accelerometer above which the start counts as moving. Raise it for a vibrating robot that stands."}, init.accel_still, 0.15, Range::positive());
   v.number({"init/velocity_sigma", "m/s", "1 sigma of the velocity at any other start. Raise it for a start on the motorway."}, init.velocity_sigma, 10.0, Range::positive());

@@ -14,6 +14,7 @@ LioResult Odometry::Impl::process(Scan scan) {
   const std::vector<TrackSegment> track = propagate_to(scan.end());
   select_points(scan);
   LioResult result = begin_result(scan);
+  deskewer_.reset();
   if (result.registered < config_.lidar.min_points) return finish(ScanOutcome::kTooFewPoints, std::move(scan), result);
 
   const NavState predicted = state_.nav;
@@ -25,17 +26,18 @@ LioResult Odometry::Impl::process(Scan scan) {
     return finish(ScanOutcome::kFirst, std::move(scan), result);
   }
 
-  const UpdateReport report =
-      iterated_update(registered_points_, *map_, config_, residuals_, state_, covariance_);
+  if (may_stand_still()) settle_standstill();
+  const UpdateReport report = iterated_update(registered_points_, *map_, config_, residuals_, state_, covariance_);
   describe(report, result);
-  if (!report.applied) return finish(ScanOutcome::kTooFewMatches, std::move(scan), result);
+  if (!report.applied) return finish(settle_unmatched(), std::move(scan), result);
 
+  unmatched_in_a_row_ = 0;
   if (config_.estimate_extrinsics) {  // the points lie elsewhere now
     deskewer_ = make_deskewer(scan, track, predicted);
     deskew_points(scan);
   }
   if (is_distorted(scan, predicted.velocity_world)) found_map_again(scan, track);
-  insert_scan();
+  if (map_->voxels() == 0 || moved_since_insertion()) insert_scan();
   return finish(ScanOutcome::kUpdated, std::move(scan), result);
 }
 

@@ -6,15 +6,13 @@
 #include <cmath>
 #include <utility>
 
-#include "allan_lio/imu/static_init.h"
-#include "allan_lio/math/s2.h"
 #include "allan_lio/math/so3.h"
 
 namespace allan_lio {
 namespace {
 
 constexpr double kCountedGap = 0.1;           // [s] between IMU samples
-constexpr int kSettlingScans = 10;            // after which the start counts as settled
+constexpr int kLostAfter = 10;                // scans in a row without a match
 constexpr double kSaturatedPart = 0.2;        // 1 sigma of a saturated reading, of the full scale
 constexpr double kUnknownRate = 0.5;          // [rad/s] 1 sigma of the rotation rate in a gap that is not bridged
 
@@ -44,42 +42,6 @@ void Odometry::Impl::set_noise_scale(const NoiseScale& scale) {
   noise_ = make_imu_noise(config_.imu.spec, scale, config_.imu.bias_model);
 }
 
-bool Odometry::Impl::initialize_from_imu() {
-  const Scan* first = synchronizer_.front();
-  if (!first) {
-    if (synchronizer_.ended()) synchronizer_.take();  // settles what waits
-    return false;
-  }
-  const ImuBuffer& imu = synchronizer_.imu();
-  const TimeNs start = first->begin();
-  const TimeNs from = std::max(imu.oldest(), start - to_ns(config_.init.standstill_time));
-  const TimeNs until = from + to_ns(config_.init.standstill_time);
-  if (imu.newest() < until && !synchronizer_.ended()) return false;
-
-  std::vector<ImuSample> record = imu.between(from, std::min(until, std::max(imu.newest(), from + 1)));
-  const bool in_g = config_.imu.accel_unit == AccelUnit::kG;
-  accel_scale_ = config_.imu.accel_unit == AccelUnit::kAuto ? detect_accel_scale(record, config_.imu.gravity)
-                                                            : (in_g ? config_.imu.gravity : 1.0);
-  for (ImuSample& sample : record) sample.accel *= accel_scale_;
-  const InitOptions options{config_.imu.gravity, config_.init.gyro_still, config_.init.accel_still,
-                            config_.init.velocity_sigma, config_.init.moving_accel_sigma};
-  quiet_start_ = is_still(record, options);
-  if (!quiet_start_) {
-    const TimeNs short_end = from + to_ns(config_.init.moving_time);
-    while (record.size() > 2 && record.back().stamp > short_end) record.pop_back();
-  }
-  const InitialState initial = initialize(record, quiet_start_, config_.imu.spec, noise_, options);
-  state_.nav = initial.state;
-  state_.nav.stamp = start;
-  covariance_.topLeftCorner<kNavDof, kNavDof>() = initial.covariance;
-  if (config_.estimate_extrinsics) {
-    covariance_.diagonal().segment<3>(kExtrinsicRotation).setConstant(square(config_.extrinsic_rotation_sigma));
-    covariance_.diagonal().segment<3>(kExtrinsicTranslation).setConstant(square(config_.extrinsic_translation_sigma));
-  }
-  initialized_ = true;
-  return true;
-}
-
 ImuNoise Odometry::Impl::noise_between(const ImuSample& from, const ImuSample& to) {
   const double dt = seconds_between(from.stamp, to.stamp);
   const bool gyro = std::max(from.gyro.cwiseAbs().maxCoeff(), to.gyro.cwiseAbs().maxCoeff()) >= config_.imu.gyro_range;
@@ -100,29 +62,32 @@ void Odometry::Impl::bridge(double gap) {
   variance.segment<3>(kTheta).array() += square(std::min(kUnknownRate * gap, 1.0));
 }
 
+void Odometry::Impl::propagate_covariance(const DiscreteModel& model) {
+  auto nav = covariance_.topLeftCorner<kNavDof, kNavDof>();
+  const NavMatrix carried = model.phi * nav * model.phi.transpose() + model.q;
+  nav = 0.5 * (carried + carried.transpose());
+  if (!config_.estimate_extrinsics) return;
+  covariance_.topRightCorner<kNavDof, 6>() = model.phi * covariance_.topRightCorner<kNavDof, 6>().eval();
+  covariance_.bottomLeftCorner<6, kNavDof>() = covariance_.topRightCorner<kNavDof, 6>().transpose();
+}
+
 std::vector<TrackSegment> Odometry::Impl::propagate_to(TimeNs t) {
+  const double gap = synchronizer_.imu().longest_gap(state_.nav.stamp, t);
   std::vector<ImuSample> samples = synchronizer_.imu().between(state_.nav.stamp, t);
   for (ImuSample& sample : samples) sample.accel *= accel_scale_;
   std::vector<TrackSegment> track;
   track.reserve(samples.size());
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
     const ImuInterval interval = mean_interval(state_.nav, samples[i], samples[i + 1]);
-    const DiscreteModel model =
-        discretize(state_.nav, interval, noise_between(samples[i], samples[i + 1]), config_.imu.discretization);
     track.push_back({state_.nav, interval});
+    if (interval.dt > 0)  // a first scan without duration begins and ends at the state
+      propagate_covariance(discretize(state_.nav, interval, noise_between(samples[i], samples[i + 1]),
+                                      config_.imu.discretization));
     state_.nav = propagate_mean(state_.nav, interval, noise_);
     state_.nav.stamp = samples[i + 1].stamp;
-
-    auto nav = covariance_.topLeftCorner<kNavDof, kNavDof>();
-    const NavMatrix carried = model.phi * nav * model.phi.transpose() + model.q;
-    nav = 0.5 * (carried + carried.transpose());
-    if (config_.estimate_extrinsics) {
-      covariance_.topRightCorner<kNavDof, 6>() = model.phi * covariance_.topRightCorner<kNavDof, 6>().eval();
-      covariance_.bottomLeftCorner<6, kNavDof>() = covariance_.topRightCorner<kNavDof, 6>().transpose();
-    }
-    if (interval.dt > kCountedGap) ++counters_.imu_gaps;
-    if (interval.dt > config_.imu.max_gap) bridge(interval.dt);
   }
+  if (gap > kCountedGap) ++counters_.imu_gaps;
+  if (gap > config_.imu.max_gap) bridge(gap);
   gyro_ = samples.back().gyro - state_.nav.gyro_bias;
   synchronizer_.discard_before(t);
   return track;
@@ -155,73 +120,27 @@ void Odometry::Impl::insert_scan() {
   for (std::size_t i = 0; i < inserted_points_.size(); ++i)
     world_points_[i] = rotation * inserted_points_[i].cast<double>() + T_world_imu.translation;
   map_->insert(world_points_, T_world_imu * state_.T_imu_lidar.translation);
+  inserted_at_ = T_world_imu;
 }
 
-void Odometry::Impl::make_first_pose() {
-  NavState& nav = state_.nav;
-  const Eigen::Vector3d x = nav.T_world_imu.rotation * Eigen::Vector3d::UnitX();
-  const double heading = x.head<2>().norm() < 1e-3 ? 0.0 : std::atan2(x.y(), x.x());
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(-heading, Eigen::Vector3d::UnitZ()));
-  nav.T_world_imu.rotation = (turn * nav.T_world_imu.rotation).normalized();
-  nav.T_world_imu.translation.setZero();
-  nav.velocity_world = turn * nav.velocity_world;
-  nav.gravity_world = turn * nav.gravity_world;
-  first_pose_ = nav.T_world_imu;
-  anchor_pose();
+bool Odometry::Impl::moved_since_insertion() const {
+  const RigidTransform motion = inserted_at_.inverse() * state_.nav.T_world_imu;
+  return motion.translation.norm() > config_.map.insert_distance ||
+         log_so3(motion.rotation).norm() > config_.map.insert_angle;
 }
 
-void Odometry::Impl::anchor_pose() {
-  // In the world turned by R_hat R^T the pose is R_hat; to first order v turns by -R dtheta, and so does g.
-  const Eigen::Matrix3d rotation = state_.nav.T_world_imu.rotation.toRotationMatrix();
-  LioMatrix turn = LioMatrix::Identity();
-  turn.block<3, 3>(kVelocity, kTheta) = skew(state_.nav.velocity_world) * rotation;
-  turn.block<2, 3>(kGravity, kTheta) = -s2_basis(state_.nav.gravity_world).transpose() * rotation;
-  covariance_ = turn * covariance_ * turn.transpose();
-  covariance_.topRows<6>().setZero();
-  covariance_.leftCols<6>().setZero();
-  if (config_.estimate_extrinsics) anchor_lidar_pose();
-}
-
-void Odometry::Impl::anchor_lidar_pose() {
-  // The IMU's pose errs by what cancels the extrinsics' error in the LiDAR's pose; v and g turn along.
-  const Eigen::Matrix3d rotation = state_.nav.T_world_imu.rotation.toRotationMatrix();
-  const Eigen::Matrix<double, 6, 6> pose = -lidar_pose_rows(state_, true).rightCols<6>();
-  LioMatrix turn = LioMatrix::Identity();
-  turn.block<6, 6>(kTheta, kExtrinsicRotation) = pose;
-  turn.block<3, 6>(kVelocity, kExtrinsicRotation) = -skew(state_.nav.velocity_world) * rotation * pose.topRows<3>();
-  turn.block<2, 6>(kGravity, kExtrinsicRotation) =
-      s2_basis(state_.nav.gravity_world).transpose() * rotation * pose.topRows<3>();
-  covariance_ = turn * covariance_ * turn.transpose();
-}
-
-void Odometry::Impl::settle_standstill() {
-  LioState start = state_;
-  start.nav.T_world_imu = first_pose_;
-  if (agrees_with_standstill(registered_points_, start, *map_, residual_options(config_), residuals_))
-    update_zero_velocity(config_.init.still_velocity_sigma, state_, covariance_);
-}
-
-bool Odometry::Impl::is_distorted(const Scan& scan, const Eigen::Vector3d& predicted_velocity) const {
-  if (scans_processed_ > kSettlingScans) return false;
-  const double smear = (state_.nav.velocity_world - predicted_velocity).norm() * seconds_between(scan.begin(), scan.end());
-  return smear > config_.lidar.range_noise;
-}
-
-void Odometry::Impl::found_map_again(const Scan& scan, std::vector<TrackSegment> track) {
-  // The posterior's velocity and biases, carried back over the scan by the same readings.
-  const NavState& now = state_.nav;
-  const NavState predicted = propagate_mean(track.back().start, track.back().interval, noise_);
-  const Eigen::Vector3d wrong_by = predicted.velocity_world - now.velocity_world;
-  for (TrackSegment& segment : track) segment.start.velocity_world -= wrong_by;
-  NavState reference = track.front().start;
-  for (std::size_t i = 0; i < track.size(); ++i) {
-    track[i].start.T_world_imu = reference.T_world_imu;
-    reference = propagate_mean(track[i].start, track[i].interval, noise_);
+ScanOutcome Odometry::Impl::settle_unmatched() {
+  ++unmatched_in_a_row_;
+  if (scans_processed_ <= kSettlingScans) {  // the first scans may be too thin to make planes
+    insert_scan();
+  } else if (unmatched_in_a_row_ >= kLostAfter) {
+    map_->clear();
+    anchor_pose();
+    insert_scan();
+    unmatched_in_a_row_ = 0;
+    return ScanOutcome::kMapRestarted;
   }
-  deskewer_ = make_deskewer(scan, track, reference);
-  deskew_points(scan);
-  map_->clear();
-  anchor_pose();
+  return ScanOutcome::kTooFewMatches;
 }
 
 LioResult Odometry::Impl::begin_result(const Scan& scan) const {
@@ -246,7 +165,8 @@ LioResult Odometry::Impl::finish(ScanOutcome outcome, Scan scan, LioResult resul
   result.gyro = gyro_;
   if (outcome == ScanOutcome::kTooFewPoints) ++counters_.scans_too_few_points;
   if (outcome == ScanOutcome::kTooFewMatches) ++counters_.scans_too_few_matches;
-  if (outcome == ScanOutcome::kUpdated || outcome == ScanOutcome::kFirst) ++counters_.scans_used;
+  if (outcome == ScanOutcome::kMapRestarted) ++counters_.map_restarts;
+  if (outcome != ScanOutcome::kTooFewPoints && outcome != ScanOutcome::kTooFewMatches) ++counters_.scans_used;
   ++scans_processed_;
   scan_ = std::move(scan);
   return result;

@@ -25,10 +25,14 @@ class Odometry::Impl {
 
   /// Settles unit, tilt, biases and their covariance once the IMU's data spans the record that this takes.
   bool initialize_from_imu();
+  /// The readings over [from, until], as far as there are any, accelerations by the scale in force.
+  std::vector<ImuSample> scaled_record(TimeNs from, TimeNs until) const;
 
   /// Moves state and covariance to `t`; returns the motion in between.
   std::vector<TrackSegment> propagate_to(TimeNs t);
   ImuNoise noise_between(const ImuSample& from, const ImuSample& to);
+  void propagate_covariance(const DiscreteModel& model);
+  /// After a gap [s] that the IMU's mean readings cannot span: adds what may have happened in it.
   void bridge(double gap);
 
   void select_points(const Scan& scan);
@@ -36,6 +40,10 @@ class Odometry::Impl {
   Deskewer make_deskewer(const Scan& scan, const std::vector<TrackSegment>& track, const NavState& reference) const;
   void deskew_points(const Scan& scan);
   void insert_scan();
+  /// Points that are added from one place share one pose's error: a standing sensor would make its own yardstick.
+  bool moved_since_insertion() const;
+  /// A scan without matches: in the first scans it adds to the map; after too many in a row the map starts anew here.
+  ScanOutcome settle_unmatched();
 
   /// Lays the world's origin and heading at the state's pose.
   void make_first_pose();
@@ -74,6 +82,8 @@ class Odometry::Impl {
   TaskPool pool_;
   PointToPlane residuals_;
 
+  static constexpr int kSettlingScans = 10;  ///< after which the start counts as settled
+
   bool initialized_ = false;
   bool quiet_start_ = false;
   RigidTransform first_pose_;  ///< T_world_imu where the map was founded
@@ -82,6 +92,8 @@ class Odometry::Impl {
   LioMatrix covariance_ = LioMatrix::Zero();
   Eigen::Vector3d gyro_ = Eigen::Vector3d::Zero();  ///< at the state's stamp, bias off [rad/s]
   int scans_processed_ = 0;
+  int unmatched_in_a_row_ = 0;
+  RigidTransform inserted_at_;  ///< T_world_imu of the scan that was last put into the map
 
   // Of the scan at hand; kept for deskewed_points() and so that nothing is allocated anew for every scan.
   Scan scan_;

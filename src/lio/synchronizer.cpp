@@ -21,11 +21,33 @@ void Synchronizer::add_imu(const ImuSample& sample) {
   ++counters_.imu_read;
   if (!is_sane(sample)) {
     ++counters_.imu_dropped_invalid;
-  } else if (!imu_.push(sample)) {
-    ++counters_.imu_dropped_order;
-  } else if (!first_imu_) {
-    first_imu_ = sample.stamp;
+    return;
   }
+  if (suspect_) {
+    const bool was_right = sample.stamp > suspect_->stamp;
+    if (was_right) take_imu(*suspect_);
+    if (!was_right) ++counters_.imu_dropped_order;
+    suspect_.reset();
+  } else if (!imu_.empty() && seconds_between(imu_.newest(), sample.stamp) > kSuspiciousLeap) {
+    suspect_ = sample;
+    return;
+  }
+  take_imu(sample);
+}
+
+void Synchronizer::take_imu(const ImuSample& sample) {
+  if (!imu_.push(sample)) {
+    ++counters_.imu_dropped_order;
+    return;
+  }
+  if (!first_imu_) first_imu_ = sample.stamp;
+  if (scans_.empty()) imu_.discard_before(sample.stamp - to_ns(kKeptWithoutScans));
+}
+
+void Synchronizer::end_of_data() {
+  if (suspect_) take_imu(*suspect_);
+  suspect_.reset();
+  ended_ = true;
 }
 
 void Synchronizer::add_scan(Scan scan) {

@@ -16,7 +16,8 @@ static_assert(State::_covariance_type::static_size == kLioDof * kLioDof, "State.
 static_assert(State::UPDATED == static_cast<int>(ScanOutcome::kUpdated) &&
                   State::FIRST == static_cast<int>(ScanOutcome::kFirst) &&
                   State::TOO_FEW_POINTS == static_cast<int>(ScanOutcome::kTooFewPoints) &&
-                  State::TOO_FEW_MATCHES == static_cast<int>(ScanOutcome::kTooFewMatches),
+                  State::TOO_FEW_MATCHES == static_cast<int>(ScanOutcome::kTooFewMatches) &&
+                  State::MAP_RESTARTED == static_cast<int>(ScanOutcome::kMapRestarted),
               "State.msg names the outcomes in the order of ScanOutcome");
 
 }  // namespace

@@ -52,6 +52,14 @@ TEST(ImuBuffer, DoesNotDoubleASampleThatLiesOnAnEnd) {
   for (std::size_t i = 1; i < samples.size(); ++i) EXPECT_LT(samples[i - 1].stamp, samples[i].stamp);
 }
 
+TEST(ImuBuffer, AGapIsSeenOnceByTheIntervalInWhichItEnds) {
+  ImuBuffer buffer = ramp(3);
+  buffer.push({100 * kStep, {}, {}});
+  EXPECT_NEAR(buffer.longest_gap(0, 50 * kStep), 0.01, kRounding);
+  EXPECT_NEAR(buffer.longest_gap(50 * kStep, 100 * kStep), 0.98, kRounding);
+  EXPECT_EQ(buffer.longest_gap(100 * kStep, 150 * kStep), 0.0);
+}
+
 TEST(ImuBuffer, KeepsTheSampleBeforeTheTimeItDiscardsTo) {
   ImuBuffer buffer = ramp(6);
   buffer.discard_before(kStep * 5 / 2);

@@ -103,9 +103,17 @@ TEST(StaticInit, TellsAMotionFromAStandstill) {
   std::mt19937 random(4);
   const Truth truth{Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   auto record = standstill(truth, 1.0, 200, random);
-  EXPECT_TRUE(is_still(record, kOptions));
+  EXPECT_TRUE(is_still(record, spec(), kOptions));
   for (std::size_t i = 0; i < record.size(); ++i) record[i].accel.x() += 0.5 * std::sin(0.1 * static_cast<double>(i));
-  EXPECT_FALSE(is_still(record, kOptions));
+  EXPECT_FALSE(is_still(record, spec(), kOptions));
+}
+
+TEST(StaticInit, ASteadyRotationAndASteadyPushAreNoStandstill) {
+  std::mt19937 random(6);
+  Truth truth{Eigen::Quaterniond::Identity(), {0, 0, 0.5}, Eigen::Vector3d::Zero()};
+  EXPECT_FALSE(is_still(standstill(truth, 1.0, 200, random), spec(), kOptions)) << "0.5 rad/s is no bias";
+  truth = {Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero(), {0, 0, 2.0}};
+  EXPECT_FALSE(is_still(standstill(truth, 1.0, 200, random), spec(), kOptions)) << "nor is 2 m/s^2";
 }
 
 TEST(StaticInit, TellsGFromMetresPerSecondSquared) {

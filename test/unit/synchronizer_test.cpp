@@ -70,6 +70,29 @@ TEST(Synchronizer, OldRepeatedAndSenselessDataIsDroppedAndCounted) {
   EXPECT_EQ(counters.scans_dropped_order, 2u);
 }
 
+TEST(Synchronizer, OneStampFarAheadIsDroppedAndARealGapIsNot) {
+  LioCounters counters;
+  Synchronizer sync(counters);
+  sync.add_imu(imu(0));
+  sync.add_imu(imu(3'600'000));
+  sync.add_imu(imu(10));
+  sync.add_imu(imu(20));
+  EXPECT_EQ(sync.imu().newest(), 20 * kMs);
+  EXPECT_EQ(counters.imu_dropped_order, 1u);
+  sync.add_imu(imu(5000));
+  sync.add_imu(imu(5010));
+  EXPECT_EQ(sync.imu().newest(), 5010 * kMs);
+  EXPECT_EQ(sync.imu().size(), 5u);
+  EXPECT_EQ(counters.imu_dropped_order, 1u);
+}
+
+TEST(Synchronizer, TheBufferIsBoundedWhileNoScanComes) {
+  LioCounters counters;
+  Synchronizer sync(counters);
+  for (int i = 0; i < 1'000'000; i += 100) sync.add_imu(imu(i));
+  EXPECT_LE(sync.imu().size(), 6002u);
+}
+
 TEST(Synchronizer, TheEndOfTheDataBridgesAShortLackAndGivesUpOnALongOne) {
   LioCounters counters;
   Synchronizer sync(counters);

@@ -30,6 +30,9 @@ class ImuBuffer {
   /// strictly increasing. Requires from < to and a non-empty buffer.
   std::vector<ImuSample> between(TimeNs from, TimeNs to) const;
 
+  /// Longest time [s] between neighbouring samples of which the later lies in (from, to]; 0 if there is none.
+  double longest_gap(TimeNs from, TimeNs to) const;
+
   /// Forgets what no interval that begins at or after `t` needs.
   void discard_before(TimeNs t);
 

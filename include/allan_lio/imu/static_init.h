@@ -23,8 +23,9 @@ struct InitialState {
   NavMatrix covariance;
 };
 
-/// True if rate and specific force vary less over the record than the options allow. A steady ride looks the same.
-bool is_still(const std::vector<ImuSample>& record, const InitOptions& options);
+/// True if rate and specific force vary less over the record than the options allow, and their means are what a
+/// standing IMU with the specification's biases reads (within 10 sigma). A steady straight ride looks the same.
+bool is_still(const std::vector<ImuSample>& record, const AllanSpec& spec, const InitOptions& options);
 
 /// State and covariance from the IMU alone, at the record's first stamp. The world has its origin and heading at
 /// this pose and z against the measured specific force; so the pose is known exactly and what is not known of the

@@ -48,7 +48,8 @@ class Deskewer {
 };
 
 inline Eigen::Vector3f Deskewer::operator()(const ScanPoint& point) const {
-  const float position = static_cast<float>(point.offset_ns - first_offset_ns_) * nodes_per_ns_;
+  const std::int64_t since_begin = std::int64_t{point.offset_ns} - first_offset_ns_;
+  const float position = static_cast<float>(since_begin) * nodes_per_ns_;
   const int last = static_cast<int>(nodes_.size()) - 2;
   const int index = position <= 0.0F ? 0 : (static_cast<int>(position) < last ? static_cast<int>(position) : last);
   const float s = position - static_cast<float>(index);

@@ -59,6 +59,8 @@ struct LioConfig {
     MapStructure structure;
     double voxel_size;   ///< [m]
     double insert_leaf;  ///< voxel edge of the downsampling before insertion [m]
+    double insert_distance;  ///< [m]
+    double insert_angle;     ///< [rad]
     double radius;       ///< [m]
     double max_mb;       ///< [MB]
   } map;

@@ -32,6 +32,7 @@ enum class ScanOutcome {
   kFirst,           ///< the first one: it founds the map
   kTooFewPoints,    ///< the IMU went on alone
   kTooFewMatches,   ///< the IMU went on alone
+  kMapRestarted,    ///< too many scans in a row had no match: the map starts anew with this one
 };
 
 /// The estimate at a scan's end.
@@ -54,12 +55,12 @@ struct LioCounters {
   std::uint64_t imu_read = 0;
   std::uint64_t imu_dropped_order = 0;    ///< stamp not later than the one before
   std::uint64_t imu_dropped_invalid = 0;  ///< NaN, inf, beyond 50 g or 100 rad/s
-  std::uint64_t imu_saturated = 0;
-  std::uint64_t imu_gaps = 0;             ///< longer than 0.1 s
+  std::uint64_t imu_saturated = 0;        ///< intervals with a saturated reading at an end
+  std::uint64_t imu_gaps = 0;             ///< longer than 0.1 s, one a scan at most
   std::uint64_t scans_read = 0;
-  std::uint64_t scans_used = 0;           ///< kUpdated and kFirst
+  std::uint64_t scans_used = 0;           ///< kUpdated, kFirst and kMapRestarted
+  std::uint64_t map_restarts = 0;         ///< kMapRestarted
   std::uint64_t scans_dropped_order = 0;  ///< older than the newest one taken
-  std::uint64_t scans_dropped_empty = 0;  ///< without any valid point
   std::uint64_t scans_before_imu = 0;     ///< begin before the first IMU sample
   std::uint64_t scans_after_imu = 0;      ///< end after the last IMU sample when the data ended
   std::uint64_t scans_too_few_points = 0;

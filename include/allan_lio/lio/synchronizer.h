@@ -19,7 +19,7 @@ class Synchronizer {
 
   void add_imu(const ImuSample& sample);
   void add_scan(Scan scan);
-  void end_of_data() { ended_ = true; }
+  void end_of_data();
 
   const ImuBuffer& imu() const { return imu_; }
   bool ended() const { return ended_; }
@@ -38,12 +38,18 @@ class Synchronizer {
 
  private:
   static constexpr std::size_t kMostWaiting = 100;  ///< scans; then the IMU is taken for silent
+  static constexpr double kSuspiciousLeap = 1.0;    ///< [s] ahead of the sample before
+  static constexpr double kKeptWithoutScans = 600;  ///< [s] of IMU data
+
+  void take_imu(const ImuSample& sample);
 
   LioCounters& counters_;
   ImuBuffer imu_;
   std::deque<Scan> scans_;
   std::optional<TimeNs> first_imu_;
   std::optional<TimeNs> newest_scan_end_;
+  /// A sample far ahead of its time: kept back until the next one tells a gap from a wrong stamp.
+  std::optional<ImuSample> suspect_;
   bool ended_ = false;
 };
 
