@@ -26,8 +26,7 @@ NavMatrix transition(const NavState& start, const ImuInterval& interval, const I
   phi.block<3, 3>(kTheta, kGyroBias) = -dt * right_jacobian(turn);
   phi.block<3, 3>(kPosition, kTheta) = -dt * dt * rotation * skew(gamma2 * interval.accel);
   phi.block<3, 3>(kPosition, kVelocity) = dt * Eigen::Matrix3d::Identity();
-  phi.block<3, 3>(kPosition, kGyroBias) =
-      -dt * dt * dt * rotation * gamma_so3_derivative(2, turn, interval.accel);
+  phi.block<3, 3>(kPosition, kGyroBias) = -dt * dt * dt * rotation * gamma_so3_derivative(2, turn, interval.accel);
   phi.block<3, 3>(kPosition, kAccelBias) = -dt * dt * rotation * gamma2;
   phi.block<3, 2>(kPosition, kGravity) = 0.5 * dt * dt * gravity_jacobian;
   phi.block<3, 3>(kVelocity, kTheta) = -dt * rotation * skew(gamma1 * interval.accel);
@@ -68,8 +67,7 @@ DiscreteModel van_loan(const NavState& start, const ImuInterval& interval, const
   Eigen::Matrix<double, 2 * kNavDof, 2 * kNavDof> block;
   block.setZero();
   block.topLeftCorner<kNavDof, kNavDof>() = -f * interval.dt;
-  block.topRightCorner<kNavDof, kNavDof>() =
-      g * noise.spectral_density().asDiagonal() * g.transpose() * interval.dt;
+  block.topRightCorner<kNavDof, kNavDof>() = g * noise.spectral_density().asDiagonal() * g.transpose() * interval.dt;
   block.bottomRightCorner<kNavDof, kNavDof>() = f.transpose() * interval.dt;
   const Eigen::MatrixXd exponential = Eigen::MatrixXd(block).exp();
   const NavMatrix phi_body = exponential.bottomRightCorner(kNavDof, kNavDof).transpose();

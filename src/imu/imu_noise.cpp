@@ -7,7 +7,8 @@
 namespace allan_lio {
 namespace {
 
-/// The root of F'(lambda), times lambda^3: -lambda + 3 - 4 e^-lambda + e^-2lambda - 2 lambda e^-lambda + lambda e^-2lambda.
+/// The root of F'(lambda), times lambda^3: -lambda + 3 - 4 e^-lambda + e^-2lambda - 2 lambda e^-lambda + lambda
+/// e^-2lambda.
 double shape_slope(double lambda) {
   const double e1 = std::exp(-lambda), e2 = std::exp(-2.0 * lambda);
   return -lambda + 3.0 - 4.0 * e1 + e2 - lambda * (2.0 * e1 - e2);

@@ -61,8 +61,8 @@ double detect_accel_scale(const std::vector<ImuSample>& record, double gravity) 
   return length < std::sqrt(gravity) ? gravity : 1.0;  // the geometric middle of 1 g and 9.8 m/s^2
 }
 
-InitialState initialize(const std::vector<ImuSample>& record, bool still, const AllanSpec& spec,
-                        const ImuNoise& noise, const InitOptions& options) {
+InitialState initialize(const std::vector<ImuSample>& record, bool still, const AllanSpec& spec, const ImuNoise& noise,
+                        const InitOptions& options) {
   const Mean mean = mean_of(record);
   const double length = seconds_between(record.front().stamp, record.back().stamp);
   InitialState out;

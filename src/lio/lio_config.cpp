@@ -8,17 +8,23 @@ namespace {
 using Range = ParameterRange;
 
 void declare_noise(ParameterVisitor& v, AllanSpec& spec) {
-  v.quantity({"imu/noise/gyro_white_noise", "rad/s/sqrt(Hz)", "N_g, angle random walk. Take it from the data sheet or an Allan deviation at 1 s."},
+  v.quantity({"imu/noise/gyro_white_noise", "rad/s/sqrt(Hz)",
+              "N_g, angle random walk. Take it from the data sheet or an Allan deviation at 1 s."},
              spec.gyro_white, Dimension::kGyroWhiteNoise, Range::positive());
-  v.quantity({"imu/noise/accel_white_noise", "m/s^2/sqrt(Hz)", "N_a, velocity random walk. Take it from the data sheet or an Allan deviation at 1 s."},
+  v.quantity({"imu/noise/accel_white_noise", "m/s^2/sqrt(Hz)",
+              "N_a, velocity random walk. Take it from the data sheet or an Allan deviation at 1 s."},
              spec.accel_white, Dimension::kAccelWhiteNoise, Range::positive());
-  v.quantity({"imu/noise/gyro_bias_instability", "rad/s", "sigma_bg, the Allan deviation on the flat part of the gyro's curve."},
+  v.quantity({"imu/noise/gyro_bias_instability", "rad/s",
+              "sigma_bg, the Allan deviation on the flat part of the gyro's curve."},
              spec.gyro_bias_instability, Dimension::kAngularRate, Range::positive());
-  v.quantity({"imu/noise/accel_bias_instability", "m/s^2", "sigma_ba, the Allan deviation on the flat part of the accelerometer's curve."},
+  v.quantity({"imu/noise/accel_bias_instability", "m/s^2",
+              "sigma_ba, the Allan deviation on the flat part of the accelerometer's curve."},
              spec.accel_bias_instability, Dimension::kAcceleration, Range::positive());
-  v.quantity({"imu/noise/gyro_bias_time", "s", "T_bg, correlation time of the gyro's bias: the averaging time of the flat part over 1.8926."},
+  v.quantity({"imu/noise/gyro_bias_time", "s",
+              "T_bg, correlation time of the gyro's bias: the averaging time of the flat part over 1.8926."},
              spec.gyro_bias_time, Dimension::kTime, Range::positive());
-  v.quantity({"imu/noise/accel_bias_time", "s", "T_ba, correlation time of the accelerometer's bias: the averaging time of the flat part over 1.8926."},
+  v.quantity({"imu/noise/accel_bias_time", "s",
+              "T_ba, correlation time of the accelerometer's bias: the averaging time of the flat part over 1.8926."},
              spec.accel_bias_time, Dimension::kTime, Range::positive());
   v.quantity({"imu/noise/gyro_turn_on_bias", "rad/s", "1 sigma of the gyro's constant bias at switch-on."},
              spec.gyro_turn_on_bias, Dimension::kAngularRate, Range::not_negative());
@@ -28,101 +34,193 @@ void declare_noise(ParameterVisitor& v, AllanSpec& spec) {
 
 void declare_imu(ParameterVisitor& v, LioConfig::Imu& imu) {
   declare_noise(v, imu.spec);
-  v.number({"imu/k_g", "1", "Multiplier on the gyro's white noise N_g; 1 is the calibrated value. Raise it for vibration or scale error."},
-           imu.scale.k_g, 1.0, Range::positive());
-  v.number({"imu/k_a", "1", "Multiplier on the accelerometer's white noise N_a; 1 is the calibrated value. Raise it for vibration or scale error."},
+  v.number(
+      {"imu/k_g", "1",
+       "Multiplier on the gyro's white noise N_g; 1 is the calibrated value. Raise it for vibration or scale error."},
+      imu.scale.k_g, 1.0, Range::positive());
+  v.number({"imu/k_a", "1",
+            "Multiplier on the accelerometer's white noise N_a; 1 is the calibrated value. Raise it for vibration or "
+            "scale error."},
            imu.scale.k_a, 1.0, Range::positive());
-  v.number({"imu/k_gb", "1", "Multiplier on the gyro's bias instability sigma_bg; 1 is the calibrated value. Raise it when biases wander more than the specification says (temperature, g-sensitivity)."},
+  v.number({"imu/k_gb", "1",
+            "Multiplier on the gyro's bias instability sigma_bg; 1 is the calibrated value. Raise it when biases "
+            "wander more than the specification says (temperature, g-sensitivity)."},
            imu.scale.k_gb, 1.0, Range::positive());
-  v.number({"imu/k_ab", "1", "Multiplier on the accelerometer's bias instability sigma_ba; 1 is the calibrated value. Raise it when biases wander more than the specification says (temperature, misalignment)."},
+  v.number({"imu/k_ab", "1",
+            "Multiplier on the accelerometer's bias instability sigma_ba; 1 is the calibrated value. Raise it when "
+            "biases wander more than the specification says (temperature, misalignment)."},
            imu.scale.k_ab, 1.0, Range::positive());
-  v.option({"imu/bias_model", "", "random_walk holds the bias where it was last seen; gauss_markov lets it decay to zero with its correlation time. Change it when the turn-on bias was removed from the data."},
+  v.option({"imu/bias_model", "",
+            "random_walk holds the bias where it was last seen; gauss_markov lets it decay to zero with its "
+            "correlation time. Change it when the turn-on bias was removed from the data."},
            imu.bias_model, BiasModel::kRandomWalk, {"random_walk", "gauss_markov"});
-  v.option({"imu/discretization", "", "How the continuous noise becomes the Q of an interval. Change it to compare the forms of the paper."},
+  v.option({"imu/discretization", "",
+            "How the continuous noise becomes the Q of an interval. Change it to compare the forms of the paper."},
            imu.discretization, Discretization::kTrapezoid, {"euler", "trapezoid", "discrete", "van_loan"});
-  v.option({"imu/accel_unit", "", "Unit of the accelerometer's readings; auto tells g from m/s^2 by the mean length of the first second. Change it when the start is violent."},
+  v.option({"imu/accel_unit", "",
+            "Unit of the accelerometer's readings; auto tells g from m/s^2 by the mean length of the first second. "
+            "Change it when the start is violent."},
            imu.accel_unit, AccelUnit::kAuto, {"auto", "m/s^2", "g"});
-  v.number({"imu/gravity", "m/s^2", "Local gravity. Change it to your latitude's value when the bias of the vertical accelerometer matters."},
+  v.number({"imu/gravity", "m/s^2",
+            "Local gravity. Change it to your latitude's value when the bias of the vertical accelerometer matters."},
            imu.gravity, 9.80665, Range::between(9.7, 9.9));
-  v.number({"imu/accel_range", "m/s^2", "Full scale of the accelerometer; a reading at or above it counts as saturated and gets inflated noise."},
+  v.number({"imu/accel_range", "m/s^2",
+            "Full scale of the accelerometer; a reading at or above it counts as saturated and gets inflated noise."},
            imu.accel_range, 156.9, Range::positive());
-  v.number({"imu/gyro_range", "rad/s", "Full scale of the gyro; a reading at or above it counts as saturated and gets inflated noise."},
+  v.number({"imu/gyro_range", "rad/s",
+            "Full scale of the gyro; a reading at or above it counts as saturated and gets inflated noise."},
            imu.gyro_range, 34.9, Range::positive());
-  v.number({"imu/max_gap", "s", "Longest gap between IMU samples that is bridged; past it the velocity is declared unknown. Change it when the IMU's link is known to stall."},
+  v.number({"imu/max_gap", "s",
+            "Longest gap between IMU samples that is bridged; past it the velocity is declared unknown. Change it when "
+            "the IMU's link is known to stall."},
            imu.max_gap, 1.0, Range::positive());
 }
 
 void declare_lidar(ParameterVisitor& v, LioConfig& c) {
   LioConfig::Lidar& lidar = c.lidar;
-  v.flag({"lidar/deskew", "", "Move every point to the scan's end by its own time. Turn it off only for clouds that are already motion compensated or have no times."},
+  v.flag({"lidar/deskew", "",
+          "Move every point to the scan's end by its own time. Turn it off only for clouds that are already motion "
+          "compensated or have no times."},
          lidar.deskew, true);
-  v.option({"lidar/point_time", "", "What a point's time counts from: the sweep's start at the header stamp, its end at the header stamp, or the clock's epoch; auto tells by the first scan."},
+  v.option({"lidar/point_time", "",
+            "What a point's time counts from: the sweep's start at the header stamp, its end at the header stamp, or "
+            "the clock's epoch; auto tells by the first scan."},
            lidar.point_time, PointTime::kAuto, {"auto", "start", "end", "absolute"});
-  v.option({"lidar/time_unit", "", "Unit of the point-time field; auto tells by the first scan. Change it when the verdict printed at start is wrong."},
+  v.option({"lidar/time_unit", "",
+            "Unit of the point-time field; auto tells by the first scan. Change it when the verdict printed at start "
+            "is wrong."},
            lidar.time_unit, TimeUnit::kAuto, {"auto", "s", "ms", "us", "ns"});
-  v.text({"lidar/time_field", "", "Name of the point-time field; empty: t, time, timestamp, time_stamp or offset_time, whichever is there. Change it for a driver of your own."},
+  v.text({"lidar/time_field", "",
+          "Name of the point-time field; empty: t, time, timestamp, time_stamp or offset_time, whichever is there. "
+          "Change it for a driver of your own."},
          lidar.time_field, "");
-  v.number({"lidar/time_offset", "s", "Added to the LiDAR's stamps to reach the IMU's clock. Change it when the two are not synchronised."},
+  v.number({"lidar/time_offset", "s",
+            "Added to the LiDAR's stamps to reach the IMU's clock. Change it when the two are not synchronised."},
            lidar.time_offset, 0.0, Range::between(-1.0, 1.0));
-  v.number({"lidar/min_range", "m", "Points nearer are dropped. Raise it past the robot's own body."}, lidar.min_range, 0.5, Range::not_negative());
-  v.number({"lidar/max_range", "m", "Points farther are dropped. Lower it where far points are unreliable."}, lidar.max_range, 100.0, Range::positive());
-  v.number({"lidar/range_noise", "m", "1 sigma of a range measurement, from the LiDAR's data sheet."}, lidar.range_noise, 0.02, Range::positive());
-  v.number({"lidar/k_r", "1", "Multiplier on range_noise; 1 is the data sheet's value. Raise it for rough or moving surroundings."}, lidar.k_r, 1.0, Range::positive());
-  v.number({"lidar/leaf", "m", "Edge of the voxels of which one point each is registered. Raise it for speed, lower it in narrow places."}, lidar.leaf, 0.4, Range::between(0.01, 10.0));
-  v.integer({"lidar/min_points", "1", "A scan with fewer points after downsampling is not used; the IMU goes on alone."}, lidar.min_points, 50, Range::between(1, 1e6));
+  v.number({"lidar/min_range", "m", "Points nearer are dropped. Raise it past the robot's own body."}, lidar.min_range,
+           0.5, Range::not_negative());
+  v.number({"lidar/max_range", "m", "Points farther are dropped. Lower it where far points are unreliable."},
+           lidar.max_range, 100.0, Range::positive());
+  v.number({"lidar/range_noise", "m", "1 sigma of a range measurement, from the LiDAR's data sheet."},
+           lidar.range_noise, 0.02, Range::positive());
+  v.number({"lidar/k_r", "1",
+            "Multiplier on range_noise; 1 is the data sheet's value. Raise it for rough or moving surroundings."},
+           lidar.k_r, 1.0, Range::positive());
+  v.number({"lidar/leaf", "m",
+            "Edge of the voxels of which one point each is registered. Raise it for speed, lower it in narrow places."},
+           lidar.leaf, 0.4, Range::between(0.01, 10.0));
+  v.integer(
+      {"lidar/min_points", "1", "A scan with fewer points after downsampling is not used; the IMU goes on alone."},
+      lidar.min_points, 50, Range::between(1, 1e6));
 
   Eigen::VectorXd rotation(4), translation(3);
   rotation << c.T_imu_lidar.rotation.coeffs();
   translation << c.T_imu_lidar.translation;
-  v.numbers({"extrinsics/T_imu_lidar/translation", "m", "The LiDAR's origin in the IMU frame: p_imu = T_imu_lidar * p_lidar."},
+  v.numbers({"extrinsics/T_imu_lidar/translation", "m",
+             "The LiDAR's origin in the IMU frame: p_imu = T_imu_lidar * p_lidar."},
             translation, Eigen::VectorXd::Zero(3), {});
-  v.numbers({"extrinsics/T_imu_lidar/rotation", "1", "Quaternion x, y, z, w of the rotation from the LiDAR frame to the IMU frame."},
+  v.numbers({"extrinsics/T_imu_lidar/rotation", "1",
+             "Quaternion x, y, z, w of the rotation from the LiDAR frame to the IMU frame."},
             rotation, Eigen::Vector4d(0, 0, 0, 1), Range::between(-1.001, 1.001));
   c.T_imu_lidar.rotation.coeffs() = rotation;
   c.T_imu_lidar.translation = translation;
-  v.flag({"extrinsics/estimate", "", "Estimate T_imu_lidar along with the motion. Turn it on with a rich scene and motion about all axes, and copy the result."},
+  v.flag({"extrinsics/estimate", "",
+          "Estimate T_imu_lidar along with the motion. Turn it on with a rich scene and motion about all axes, and "
+          "copy the result."},
          c.estimate_extrinsics, false);
-  v.number({"extrinsics/rotation_sigma", "rad", "1 sigma of the given rotation, used when it is estimated."}, c.extrinsic_rotation_sigma, 0.02, Range::positive());
-  v.number({"extrinsics/translation_sigma", "m", "1 sigma of the given translation, used when it is estimated."}, c.extrinsic_translation_sigma, 0.03, Range::positive());
+  v.number({"extrinsics/rotation_sigma", "rad", "1 sigma of the given rotation, used when it is estimated."},
+           c.extrinsic_rotation_sigma, 0.02, Range::positive());
+  v.number({"extrinsics/translation_sigma", "m", "1 sigma of the given translation, used when it is estimated."},
+           c.extrinsic_translation_sigma, 0.03, Range::positive());
 }
 
 void declare_map(ParameterVisitor& v, LioConfig::Map& map) {
-  v.option({"map/structure", "", "planes keeps one growing plane per voxel, points keeps points and fits a plane to the nearest. Change it to compare (doc/decisions.md)."},
+  v.option({"map/structure", "",
+            "planes keeps one growing plane per voxel, points keeps points and fits a plane to the nearest. Change it "
+            "to compare (doc/decisions.md)."},
            map.structure, MapStructure::kPlanes, {"planes", "points"});
-  v.number({"map/voxel_size", "m", "Edge of the map's voxels. Raise it outdoors, lower it in cluttered rooms."}, map.voxel_size, 0.5, Range::between(0.05, 20.0));
-  v.number({"map/insert_leaf", "m", "Edge of the voxels of which one point each enters the map."}, map.insert_leaf, 0.1, Range::between(0.001, 5.0));
-  v.number({"map/insert_distance", "m", "A scan enters the map when the sensor has moved this far since the last one that did. Raise it for a slow vehicle with a fast LiDAR."}, map.insert_distance, 0.05, Range::not_negative());
-  v.number({"map/insert_angle", "rad", "Or when it has turned by this much."}, map.insert_angle, 0.01, Range::not_negative());
-  v.number({"map/radius", "m", "Voxels farther than this from the LiDAR are forgotten when the map is full. Keep it above the LiDAR's range."}, map.radius, 150.0, Range::positive());
-  v.number({"map/max_mb", "MB", "Hard cap of the map's memory; the farthest voxels go first."}, map.max_mb, 300.0, Range::between(1.0, 1e6));
+  v.number({"map/voxel_size", "m", "Edge of the map's voxels. Raise it outdoors, lower it in cluttered rooms."},
+           map.voxel_size, 0.5, Range::between(0.05, 20.0));
+  v.number({"map/insert_leaf", "m", "Edge of the voxels of which one point each enters the map."}, map.insert_leaf, 0.1,
+           Range::between(0.001, 5.0));
+  v.number({"map/insert_distance", "m",
+            "A scan enters the map when the sensor has moved this far since the last one that did. Raise it for a slow "
+            "vehicle with a fast LiDAR."},
+           map.insert_distance, 0.05, Range::not_negative());
+  v.number({"map/insert_angle", "rad", "Or when it has turned by this much."}, map.insert_angle, 0.01,
+           Range::not_negative());
+  v.number(
+      {"map/radius", "m",
+       "Voxels farther than this from the LiDAR are forgotten when the map is full. Keep it above the LiDAR's range."},
+      map.radius, 150.0, Range::positive());
+  v.number({"map/max_mb", "MB", "Hard cap of the map's memory; the farthest voxels go first."}, map.max_mb, 300.0,
+           Range::between(1.0, 1e6));
 }
 
 void declare_update(ParameterVisitor& v, LioConfig::Update& update) {
-  v.integer({"update/max_iterations", "1", "Most iterations of the Kalman update in a scan."}, update.max_iterations, 6, Range::between(1, 50));
-  v.number({"update/rotation_tolerance", "rad", "The iterations stop when the step's rotation and translation are both below tolerance."}, update.rotation_tolerance, 1e-4, Range::positive());
-  v.number({"update/translation_tolerance", "m", "The iterations stop when the step's rotation and translation are both below tolerance."}, update.translation_tolerance, 1e-4, Range::positive());
-  v.number({"update/gate", "sigma", "A residual beyond this many standard deviations of its own noise and the pose's is not used. Raise it when the start is rough."}, update.gate, 3.0, Range::positive());
-  v.number({"update/robust_scale", "sigma", "Residuals beyond this many standard deviations are down-weighted (Huber). Lower it among moving objects."}, update.robust_scale, 2.0, Range::positive());
-  v.number({"update/support_floor", "1", "A direction whose LiDAR information is below this many times what the map's normal noise feigns is left to the IMU."}, update.support_floor, 4.0, Range::not_negative());
+  v.integer({"update/max_iterations", "1", "Most iterations of the Kalman update in a scan."}, update.max_iterations, 6,
+            Range::between(1, 50));
+  v.number({"update/rotation_tolerance", "rad",
+            "The iterations stop when the step's rotation and translation are both below tolerance."},
+           update.rotation_tolerance, 1e-4, Range::positive());
+  v.number({"update/translation_tolerance", "m",
+            "The iterations stop when the step's rotation and translation are both below tolerance."},
+           update.translation_tolerance, 1e-4, Range::positive());
+  v.number({"update/gate", "sigma",
+            "A residual beyond this many standard deviations of its own noise and the pose's is not used. Raise it "
+            "when the start is rough."},
+           update.gate, 3.0, Range::positive());
+  v.number({"update/robust_scale", "sigma",
+            "Residuals beyond this many standard deviations are down-weighted (Huber). Lower it among moving objects."},
+           update.robust_scale, 2.0, Range::positive());
+  v.number({"update/support_floor", "1",
+            "A direction whose LiDAR information is below this many times what the map's normal noise feigns is left "
+            "to the IMU."},
+           update.support_floor, 4.0, Range::not_negative());
 }
 
 void declare_init(ParameterVisitor& v, LioConfig::Init& init) {
-  v.number({"init/standstill_time", "s", "Length of the standstill at the start from which tilt and biases are taken. Raise it for a better start, if the robot stands that long."}, init.standstill_time, 1.0, Range::between(0.05, 4.0));
-  v.number({"init/gyro_still", "rad/s", "Standard deviation of the gyro above which the start counts as moving. Raise it for a vibrating robot that stands."}, init.gyro_still, 0.02, Range::positive());
-  v.number({"init/accel_still", "m/s^2", "Standard deviation of the accelerometer above which the start counts as moving. Raise it for a vibrating robot that stands."}, init.accel_still, 0.15, Range::positive());
-  v.number({"init/velocity_sigma", "m/s", "1 sigma of the velocity at any other start. Raise it for a start on the motorway."}, init.velocity_sigma, 10.0, Range::positive());
-  v.number({"init/still_velocity_sigma", "m/s", "1 sigma of the velocity of a start that IMU and LiDAR both see still. Raise it when the start may be a steady ride down a tunnel."}, init.still_velocity_sigma, 0.05, Range::positive());
-  v.number({"init/moving_time", "s", "Length of the record from which tilt is taken when the start is moving."}, init.moving_time, 0.2, Range::between(0.01, 10.0));
-  v.number({"init/moving_accel_sigma", "m/s^2", "1 sigma of the mean acceleration of a moving start; makes the tilt's uncertainty."}, init.moving_accel_sigma, 1.0, Range::positive());
+  v.number({"init/standstill_time", "s",
+            "Length of the standstill at the start from which tilt and biases are taken. Raise it for a better start, "
+            "if the robot stands that long."},
+           init.standstill_time, 1.0, Range::between(0.05, 4.0));
+  v.number({"init/gyro_still", "rad/s",
+            "Standard deviation of the gyro above which the start counts as moving. Raise it for a vibrating robot "
+            "that stands."},
+           init.gyro_still, 0.02, Range::positive());
+  v.number({"init/accel_still", "m/s^2",
+            "Standard deviation of the accelerometer above which the start counts as moving. Raise it for a vibrating "
+            "robot that stands."},
+           init.accel_still, 0.15, Range::positive());
+  v.number({"init/velocity_sigma", "m/s",
+            "1 sigma of the velocity at any other start. Raise it for a start on the motorway."},
+           init.velocity_sigma, 10.0, Range::positive());
+  v.number({"init/still_velocity_sigma", "m/s",
+            "1 sigma of the velocity of a start that IMU and LiDAR both see still. Raise it when the start may be a "
+            "steady ride down a tunnel."},
+           init.still_velocity_sigma, 0.05, Range::positive());
+  v.number({"init/moving_time", "s", "Length of the record from which tilt is taken when the start is moving."},
+           init.moving_time, 0.2, Range::between(0.01, 10.0));
+  v.number({"init/moving_accel_sigma", "m/s^2",
+            "1 sigma of the mean acceleration of a moving start; makes the tilt's uncertainty."},
+           init.moving_accel_sigma, 1.0, Range::positive());
 }
 
 void declare_frames(ParameterVisitor& v, LioConfig::Frames& frames) {
   v.text({"frames/odom", "", "Name of the world frame that is published."}, frames.odom, "odom");
   v.text({"frames/base", "", "Name of the robot's frame that odometry and TF refer to."}, frames.base, "base_link");
-  v.text({"frames/imu", "", "Name of the IMU's frame; T_base_imu is looked up in TF when it differs from frames/base and extrinsics_from_tf is set, else identity."}, frames.imu, "imu");
-  v.text({"frames/lidar", "", "Name of the LiDAR's frame, for the look-up of extrinsics in TF."}, frames.lidar, "lidar");
-  v.flag({"frames/publish_tf", "", "Publish odom -> base_link in TF. Turn it off when another node (robot_localization) does."}, frames.publish_tf, true);
-  v.flag({"frames/extrinsics_from_tf", "", "Take T_imu_lidar and T_base_imu from TF at start instead of from the configuration."}, frames.extrinsics_from_tf, false);
+  v.text({"frames/imu", "",
+          "Name of the IMU's frame; T_base_imu is looked up in TF when it differs from frames/base and "
+          "extrinsics_from_tf is set, else identity."},
+         frames.imu, "imu");
+  v.text({"frames/lidar", "", "Name of the LiDAR's frame, for the look-up of extrinsics in TF."}, frames.lidar,
+         "lidar");
+  v.flag({"frames/publish_tf", "",
+          "Publish odom -> base_link in TF. Turn it off when another node (robot_localization) does."},
+         frames.publish_tf, true);
+  v.flag({"frames/extrinsics_from_tf", "",
+          "Take T_imu_lidar and T_base_imu from TF at start instead of from the configuration."},
+         frames.extrinsics_from_tf, false);
 }
 
 }  // namespace
@@ -136,7 +234,8 @@ void declare_parameters(ParameterVisitor& v, LioConfig& c) {
   declare_update(v, c.update);
   declare_init(v, c.init);
   declare_frames(v, c.frames);
-  v.integer({"threads", "1", "Threads of the registration. The result does not depend on it."}, c.threads, 1, Range::between(1, 64));
+  v.integer({"threads", "1", "Threads of the registration. The result does not depend on it."}, c.threads, 1,
+            Range::between(1, 64));
 }
 
 }  // namespace allan_lio

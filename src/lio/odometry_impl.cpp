@@ -11,16 +11,15 @@
 namespace allan_lio {
 namespace {
 
-constexpr double kCountedGap = 0.1;           // [s] between IMU samples
-constexpr int kLostAfter = 10;                // scans in a row without a match
-constexpr double kSaturatedPart = 0.2;        // 1 sigma of a saturated reading, of the full scale
-constexpr double kUnknownRate = 0.5;          // [rad/s] 1 sigma of the rotation rate in a gap that is not bridged
+constexpr double kCountedGap = 0.1;     // [s] between IMU samples
+constexpr int kLostAfter = 10;          // scans in a row without a match
+constexpr double kSaturatedPart = 0.2;  // 1 sigma of a saturated reading, of the full scale
+constexpr double kUnknownRate = 0.5;    // [rad/s] 1 sigma of the rotation rate in a gap that is not bridged
 
 std::unique_ptr<VoxelMap> make_map(const LioConfig& config) {
   const VoxelMapOptions options{config.map.voxel_size, config.lidar.k_r * config.lidar.range_noise, config.map.radius,
                                 config.map.max_mb};
-  return config.map.structure == MapStructure::kPlanes ? make_plane_voxel_map(options)
-                                                       : make_point_voxel_map(options);
+  return config.map.structure == MapStructure::kPlanes ? make_plane_voxel_map(options) : make_point_voxel_map(options);
 }
 
 double square(double x) { return x * x; }
@@ -81,8 +80,8 @@ std::vector<TrackSegment> Odometry::Impl::propagate_to(TimeNs t) {
     const ImuInterval interval = mean_interval(state_.nav, samples[i], samples[i + 1]);
     track.push_back({state_.nav, interval});
     if (interval.dt > 0)  // a first scan without duration begins and ends at the state
-      propagate_covariance(discretize(state_.nav, interval, noise_between(samples[i], samples[i + 1]),
-                                      config_.imu.discretization));
+      propagate_covariance(
+          discretize(state_.nav, interval, noise_between(samples[i], samples[i + 1]), config_.imu.discretization));
     state_.nav = propagate_mean(state_.nav, interval, noise_);
     state_.nav.stamp = samples[i + 1].stamp;
   }

@@ -113,7 +113,8 @@ void Odometry::Impl::settle_standstill() {
 
 bool Odometry::Impl::is_distorted(const Scan& scan, const Eigen::Vector3d& predicted_velocity) const {
   if (scans_processed_ > kSettlingScans) return false;
-  const double smear = (state_.nav.velocity_world - predicted_velocity).norm() * seconds_between(scan.begin(), scan.end());
+  const double smear =
+      (state_.nav.velocity_world - predicted_velocity).norm() * seconds_between(scan.begin(), scan.end());
   return smear > config_.lidar.range_noise;
 }
 

@@ -27,9 +27,7 @@ TaskPool::TaskPool(int threads) : arena_(threads > 1 ? std::make_unique<Arena>(t
 TaskPool::~TaskPool() = default;
 
 void TaskPool::run(std::size_t count, const std::function<void(std::size_t, std::size_t, std::size_t)>& work) {
-  const auto body = [&](std::size_t block) {
-    work(block, block * kBlock, std::min(count, (block + 1) * kBlock));
-  };
+  const auto body = [&](std::size_t block) { work(block, block * kBlock, std::min(count, (block + 1) * kBlock)); };
   if (arena_) {
     arena_->run(blocks(count), body);
     return;

@@ -8,8 +8,8 @@
 namespace allan_lio {
 namespace {
 
-constexpr int kCapacity = 20;          ///< points a voxel
-constexpr double kSpacing = 0.2;       ///< least distance between points of a voxel, of the edge
+constexpr int kCapacity = 20;     ///< points a voxel
+constexpr double kSpacing = 0.2;  ///< least distance between points of a voxel, of the edge
 constexpr int kNearest = 5;
 constexpr double kMaxThickness = 0.1;  ///< [m], 1 sigma of the nearest points about their plane
 constexpr double kMaxLean = 0.5;       ///< [rad]

@@ -37,9 +37,7 @@ Eigen::Matrix<double, 3, 2> s2_basis(const Eigen::Vector3d& x) {
   return basis;
 }
 
-Eigen::Vector3d s2_plus(const Eigen::Vector3d& x, const Eigen::Vector2d& d) {
-  return exp_so3(s2_basis(x) * d) * x;
-}
+Eigen::Vector3d s2_plus(const Eigen::Vector3d& x, const Eigen::Vector2d& d) { return exp_so3(s2_basis(x) * d) * x; }
 
 Eigen::Vector2d s2_minus(const Eigen::Vector3d& y, const Eigen::Vector3d& x) {
   const Eigen::Vector3d u = x.normalized(), w = y.normalized();

@@ -80,8 +80,7 @@ Eigen::Matrix3d gamma_so3_derivative(int m, const Eigen::Vector3d& phi, const Ei
   const double theta = phi.norm();
   const Eigen::Vector3d cross = phi.cross(a);
   const Eigen::Vector3d double_cross = phi.cross(cross);
-  return -gamma_coefficient(m + 1, theta) * skew(a) +
-         gamma_coefficient_slope(m + 1, theta) * cross * phi.transpose() +
+  return -gamma_coefficient(m + 1, theta) * skew(a) + gamma_coefficient_slope(m + 1, theta) * cross * phi.transpose() +
          gamma_coefficient(m + 2, theta) *
              (phi.dot(a) * Eigen::Matrix3d::Identity() + phi * a.transpose() - 2.0 * a * phi.transpose()) +
          gamma_coefficient_slope(m + 2, theta) * double_cross * phi.transpose();
@@ -93,8 +92,8 @@ Eigen::Matrix3d right_jacobian_inverse(const Eigen::Vector3d& phi) {
   // I + skew/2 + c skew^2 with c = 1/theta^2 - (1+cos)/(2 theta sin) = (C_2 - 2 C_4 ... ) in the C_k:
   // written as (1 - C_1/(2 C_2))/theta^2, whose numerator is theta^2 (C_3 - 2 C_4) / (2 C_2).
   const double theta = phi.norm();
-  const double c = (gamma_coefficient(3, theta) - 2.0 * gamma_coefficient(4, theta)) /
-                   (2.0 * gamma_coefficient(2, theta));
+  const double c =
+      (gamma_coefficient(3, theta) - 2.0 * gamma_coefficient(4, theta)) / (2.0 * gamma_coefficient(2, theta));
   const Eigen::Matrix3d hat = skew(phi);
   return Eigen::Matrix3d::Identity() + 0.5 * hat + c * hat * hat;
 }

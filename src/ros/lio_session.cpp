@@ -146,8 +146,7 @@ std::string LioSession::why_nothing() const {
   };
   return "of " + std::to_string(c.scans_read) + " scans none was used" +
          part(c.scans_before_imu, "begin before the first IMU sample or the end of the initialisation") +
-         part(c.scans_after_imu, "end after the last IMU sample") +
-         part(c.scans_dropped_order, "out of order") +
+         part(c.scans_after_imu, "end after the last IMU sample") + part(c.scans_dropped_order, "out of order") +
          part(c.scans_overflow, "waited for IMU data in vain") + part(c.scans_too_few_points, "with too few points") +
          part(c.scans_too_few_matches, "with too few matches");
 }

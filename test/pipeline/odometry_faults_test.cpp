@@ -33,8 +33,9 @@ struct Drive {
 };
 
 /// Ten scans a second of `scene`, IMU at 200 Hz standing level except where `imu_filter` drops or changes a sample.
-Drive stand(const LioConfig& config, int scans, const SceneAt& scene,
-          const std::function<bool(ImuSample&)>& imu_filter = [](ImuSample&) { return true; }) {
+Drive stand(
+    const LioConfig& config, int scans, const SceneAt& scene,
+    const std::function<bool(ImuSample&)>& imu_filter = [](ImuSample&) { return true; }) {
   Odometry odometry(config);
   Drive run;
   const auto drain = [&] {
@@ -72,7 +73,8 @@ TEST(OdometryFaults, AStandstillStaysWhereItIs) {
 }
 
 TEST(OdometryFaults, AThinFirstScanDoesNotLockTheFilterOut) {
-  const Drive run = stand(default_config(mti600_spec()), 40, [](int i) { return room_points(i == 0 ? 400 : 20000, 0.02, 7u + static_cast<unsigned>(i)); });
+  const Drive run = stand(default_config(mti600_spec()), 40,
+                          [](int i) { return room_points(i == 0 ? 400 : 20000, 0.02, 7u + static_cast<unsigned>(i)); });
   EXPECT_GE(run.counters.scans_used, 35u);
   EXPECT_EQ(run.results.back().outcome, ScanOutcome::kUpdated);
   EXPECT_LT(strayed(run.results.back()), 0.05);
@@ -92,7 +94,9 @@ TEST(OdometryFaults, NewSurroundingsStartANewMapAfterASecond) {
 }
 
 TEST(OdometryFaults, AStandstillInACorridorTakesUpNoVelocity) {
-  const Drive run = stand(default_config(mti600_spec()), 60, [](int i) { return corridor_points(20000, 0.02, static_cast<unsigned>(i) * 100, i == 0 ? 1.5 : 1.0); });
+  const Drive run = stand(default_config(mti600_spec()), 60, [](int i) {
+    return corridor_points(20000, 0.02, static_cast<unsigned>(i) * 100, i == 0 ? 1.5 : 1.0);
+  });
   // Nothing tells of x but the standstill at the start: 0.05 m/s of it, for 6 s.
   EXPECT_LT(std::abs(run.results.back().state.nav.velocity_world.x()), 0.05);
   EXPECT_LT(strayed(run.results.back()), 0.3);
@@ -107,7 +111,8 @@ TEST(OdometryFaults, AGapInTheImuIsSeenAndMakesTheVelocityUncertain) {
 }
 
 TEST(OdometryFaults, EmptyScansLeaveItToTheImu) {
-  const Drive run = stand(default_config(mti600_spec()), 30, [](int i) { return i == 0 || i == 12 ? std::vector<Eigen::Vector3d>{} : room(i); });
+  const Drive run = stand(default_config(mti600_spec()), 30,
+                          [](int i) { return i == 0 || i == 12 ? std::vector<Eigen::Vector3d>{} : room(i); });
   EXPECT_EQ(run.counters.scans_too_few_points, 2u);
   EXPECT_EQ(run.counters.scans_used, 28u);
   EXPECT_LT(strayed(run.results.back()), 0.05);
@@ -119,7 +124,8 @@ TEST(OdometryFaults, AFirstScanWithoutDurationMakesNoNaNInAnyDiscretization) {
     LioConfig config = default_config(mti600_spec());
     config.imu.discretization = method;
     Odometry odometry(config);
-    for (TimeNs t = kStart; t < kStart + 2'000'000'000; t += kImuStep) odometry.add_imu({t, {0, 0, 0}, {0, 0, 9.80665}});
+    for (TimeNs t = kStart; t < kStart + 2'000'000'000; t += kImuStep)
+      odometry.add_imu({t, {0, 0, 0}, {0, 0, 9.80665}});
     for (int i = 0; i < 10; ++i) odometry.add_scan(scan_of(kStart + i * kScanStep, room(i), 0));
     odometry.end_of_data();
     int count = 0;

@@ -53,7 +53,8 @@ TEST(StaticInit, LevelsTheWorldAndKeepsTheHeadingAtZero) {
   still.accel_bias.setZero();
   const ImuNoise noise = make_imu_noise(spec(), {}, BiasModel::kRandomWalk);
   const InitialState initial = initialize(standstill(still, 1.0, 200, random), true, spec(), noise, kOptions);
-  const Eigen::Vector3d up = initial.state.T_world_imu.rotation * (truth.rotation.conjugate() * Eigen::Vector3d::UnitZ());
+  const Eigen::Vector3d up =
+      initial.state.T_world_imu.rotation * (truth.rotation.conjugate() * Eigen::Vector3d::UnitZ());
   constexpr double kTilt = 1e-3;  // [rad]
   EXPECT_LT((up - Eigen::Vector3d::UnitZ()).norm(), kTilt);
   const Eigen::Vector3d x = initial.state.T_world_imu.rotation * Eigen::Vector3d::UnitX();
@@ -69,7 +70,9 @@ TEST(StaticInit, CovarianceOfBiasesAndTiltHoldsOverManyStarts) {
   const ImuNoise noise = make_imu_noise(s, {}, BiasModel::kRandomWalk);
   double gyro_sum = 0.0, accel_sum = 0.0;
   for (int run = 0; run < kRuns; ++run) {
-    const auto draw = [&](double sigma) { return Eigen::Vector3d(sigma * normal(random), sigma * normal(random), sigma * normal(random)); };
+    const auto draw = [&](double sigma) {
+      return Eigen::Vector3d(sigma * normal(random), sigma * normal(random), sigma * normal(random));
+    };
     const Truth truth{exp_so3({0.1, 0.2, 0.0}), draw(3e-3), draw(0.05)};
     const InitialState initial = initialize(standstill(truth, 1.0, 200, random), true, s, noise, kOptions);
     // The true gravity in the world that the start laid out: the body's true tilt seen from the estimated rotation.
@@ -93,7 +96,9 @@ TEST(StaticInit, LongerStandstillMakesASmallerCovariance) {
   const ImuNoise noise = make_imu_noise(spec(), {}, BiasModel::kRandomWalk);
   const auto one = initialize(standstill(truth, 1.0, 200, random), true, spec(), noise, kOptions);
   const auto four = initialize(standstill(truth, 4.0, 200, random), true, spec(), noise, kOptions);
-  const auto expected = [&](double length) { return noise.gyro_psd.x() / length + noise.gyro_bias_psd.x() * length / 3; };
+  const auto expected = [&](double length) {
+    return noise.gyro_psd.x() / length + noise.gyro_bias_psd.x() * length / 3;
+  };
   EXPECT_DOUBLE_EQ(one.covariance(kGyroBias, kGyroBias), expected(1.0));
   EXPECT_DOUBLE_EQ(four.covariance(kGyroBias, kGyroBias), expected(4.0));
   EXPECT_LT(four.covariance(kGyroBias, kGyroBias), 0.3 * one.covariance(kGyroBias, kGyroBias));

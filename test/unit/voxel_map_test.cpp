@@ -52,7 +52,8 @@ TEST_P(EveryVoxelMap, StaysBelowItsCapWhateverIsInserted) {
   for (int i = 0; i < 60; ++i) {
     std::vector<Eigen::Vector3d> points;
     for (int k = 0; k < 2000; ++k)
-      points.push_back(Eigen::Vector3d(10.0 * i, 0, 0) + 20 * Eigen::Vector3d(unit(random), unit(random), unit(random)));
+      points.push_back(Eigen::Vector3d(10.0 * i, 0, 0) +
+                       20 * Eigen::Vector3d(unit(random), unit(random), unit(random)));
     map->insert(points, Eigen::Vector3d(10.0 * i, 0, 0));
     ASSERT_LE(map->bytes(), 2.0e6);
   }

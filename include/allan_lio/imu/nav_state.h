@@ -26,11 +26,11 @@ using NavMatrix = Eigen::Matrix<double, kNavDof, kNavDof>;
 /// The inertial state that every estimator on this core shares.
 struct NavState {
   TimeNs stamp = 0;
-  RigidTransform T_world_imu;                                   ///< [m]
-  Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();     ///< [m/s]
-  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();          ///< [rad/s]
-  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();         ///< [m/s^2]
-  Eigen::Vector3d gravity_world{0.0, 0.0, -9.80665};            ///< [m/s^2], its length never changes
+  RigidTransform T_world_imu;                                ///< [m]
+  Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();  ///< [m/s]
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();       ///< [rad/s]
+  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();      ///< [m/s^2]
+  Eigen::Vector3d gravity_world{0.0, 0.0, -9.80665};         ///< [m/s^2], its length never changes
 };
 
 /// x (+) delta.

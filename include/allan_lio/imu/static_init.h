@@ -33,8 +33,8 @@ bool is_still(const std::vector<ImuSample>& record, const AllanSpec& spec, const
 /// leaves them: f = ba - R^T g + noise, var(noise) = N_a^2/length when still. The gyro's bias, when still, is its
 /// mean, var = N_g^2/length + S_bg length/3; else it is zero with the turn-on figure. The velocity is zero with
 /// `velocity_sigma`. The record holds 2 samples or more, accelerations in m/s^2.
-InitialState initialize(const std::vector<ImuSample>& record, bool still, const AllanSpec& spec,
-                        const ImuNoise& noise, const InitOptions& options);
+InitialState initialize(const std::vector<ImuSample>& record, bool still, const AllanSpec& spec, const ImuNoise& noise,
+                        const InitOptions& options);
 
 /// Factor from the accelerometer's readings to m/s^2, told by their mean length: 1, or `gravity` for readings in g.
 double detect_accel_scale(const std::vector<ImuSample>& record, double gravity);

@@ -38,16 +38,16 @@ struct LioConfig {
 
   struct Lidar {
     bool deskew;
-    PointTime point_time;     ///< what the point-time field counts from
-    TimeUnit time_unit;       ///< its unit
-    std::string time_field;   ///< its name; empty: found
-    double time_offset;       ///< added to the LiDAR's stamps to reach the IMU's clock [s]
-    double min_range;         ///< [m]
-    double max_range;         ///< [m]
-    double range_noise;       ///< 1 sigma [m]
-    double k_r;               ///< multiplier of range_noise
-    double leaf;              ///< voxel edge of the registration's downsampling [m]
-    int min_points;           ///< a scan with fewer is not used
+    PointTime point_time;    ///< what the point-time field counts from
+    TimeUnit time_unit;      ///< its unit
+    std::string time_field;  ///< its name; empty: found
+    double time_offset;      ///< added to the LiDAR's stamps to reach the IMU's clock [s]
+    double min_range;        ///< [m]
+    double max_range;        ///< [m]
+    double range_noise;      ///< 1 sigma [m]
+    double k_r;              ///< multiplier of range_noise
+    double leaf;             ///< voxel edge of the registration's downsampling [m]
+    int min_points;          ///< a scan with fewer is not used
   } lidar;
 
   RigidTransform T_imu_lidar;
@@ -57,12 +57,12 @@ struct LioConfig {
 
   struct Map {
     MapStructure structure;
-    double voxel_size;   ///< [m]
-    double insert_leaf;  ///< voxel edge of the downsampling before insertion [m]
+    double voxel_size;       ///< [m]
+    double insert_leaf;      ///< voxel edge of the downsampling before insertion [m]
     double insert_distance;  ///< [m]
     double insert_angle;     ///< [rad]
-    double radius;       ///< [m]
-    double max_mb;       ///< [MB]
+    double radius;           ///< [m]
+    double max_mb;           ///< [MB]
   } map;
 
   struct Update {
@@ -75,13 +75,13 @@ struct LioConfig {
   } update;
 
   struct Init {
-    double standstill_time;   ///< [s]
-    double gyro_still;        ///< [rad/s]
-    double accel_still;       ///< [m/s^2]
+    double standstill_time;       ///< [s]
+    double gyro_still;            ///< [rad/s]
+    double accel_still;           ///< [m/s^2]
     double velocity_sigma;        ///< [m/s]
     double still_velocity_sigma;  ///< [m/s]
-    double moving_time;       ///< [s]
-    double moving_accel_sigma;  ///< [m/s^2]
+    double moving_time;           ///< [s]
+    double moving_accel_sigma;    ///< [m/s^2]
   } init;
 
   struct Frames {

@@ -28,25 +28,25 @@ struct LioState {
 
 /// What became of a scan.
 enum class ScanOutcome {
-  kUpdated,         ///< registered to the map and inserted
-  kFirst,           ///< the first one: it founds the map
-  kTooFewPoints,    ///< the IMU went on alone
-  kTooFewMatches,   ///< the IMU went on alone
-  kMapRestarted,    ///< too many scans in a row had no match: the map starts anew with this one
+  kUpdated,        ///< registered to the map and inserted
+  kFirst,          ///< the first one: it founds the map
+  kTooFewPoints,   ///< the IMU went on alone
+  kTooFewMatches,  ///< the IMU went on alone
+  kMapRestarted,   ///< too many scans in a row had no match: the map starts anew with this one
 };
 
 /// The estimate at a scan's end.
 struct LioResult {
   ScanOutcome outcome = ScanOutcome::kUpdated;
   TimeNs scan_begin = 0;
-  LioState state;                                          ///< its stamp is the scan's end
-  LioMatrix covariance = LioMatrix::Zero();                ///< of the error state, SI units of LioIndex
-  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();          ///< angular rate at the scan's end, bias off [rad/s], IMU frame
-  int points = 0;                                          ///< of the decoded scan
-  int registered = 0;                                      ///< after downsampling
-  int inliers = 0;                                         ///< with a plane and inside the gate, in the last iteration
+  LioState state;                                  ///< its stamp is the scan's end
+  LioMatrix covariance = LioMatrix::Zero();        ///< of the error state, SI units of LioIndex
+  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();  ///< angular rate at the scan's end, bias off [rad/s], IMU frame
+  int points = 0;                                  ///< of the decoded scan
+  int registered = 0;                              ///< after downsampling
+  int inliers = 0;                                 ///< with a plane and inside the gate, in the last iteration
   int iterations = 0;
-  double residual_rms = 0.0;                               ///< of the inliers, point to plane [m]
+  double residual_rms = 0.0;  ///< of the inliers, point to plane [m]
   Localizability localizability;
 };
 
@@ -65,7 +65,7 @@ struct LioCounters {
   std::uint64_t scans_after_imu = 0;      ///< end after the last IMU sample when the data ended
   std::uint64_t scans_too_few_points = 0;
   std::uint64_t scans_too_few_matches = 0;
-  std::uint64_t scans_overflow = 0;       ///< waited for IMU data that did not come
+  std::uint64_t scans_overflow = 0;  ///< waited for IMU data that did not come
   std::uint64_t points_invalid = 0;
   std::uint64_t points_out_of_range = 0;
 };

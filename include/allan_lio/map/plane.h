@@ -33,7 +33,7 @@ struct Plane {
 
 /// Sums over points about a fixed origin near them, from which the plane follows.
 struct PlaneSums {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();      ///< [m]
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();                               ///< [m]
   Eigen::Matrix<double, 6, 1> products = Eigen::Matrix<double, 6, 1>::Zero();  ///< xx xy xz yy yz zz [m^2]
   std::uint32_t count = 0;
 
@@ -50,9 +50,9 @@ struct PlaneSums {
 };
 
 struct PlaneLimits {
-  double point_variance;       ///< of one point along the normal: the range noise's [m^2]
-  double max_thickness;        ///< 1 sigma of the points about the plane [m]
-  double max_lean;             ///< 1 sigma of the normal [rad]
+  double point_variance;  ///< of one point along the normal: the range noise's [m^2]
+  double max_thickness;   ///< 1 sigma of the points about the plane [m]
+  double max_lean;        ///< 1 sigma of the normal [rad]
   /// Least ratio of the spread inside the plane to the noise across it, as standard deviations: a strip narrower
   /// than its noise would pass for a plane across itself.
   double least_aspect;

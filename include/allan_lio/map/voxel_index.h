@@ -14,7 +14,8 @@ struct VoxelCoordinates {
 };
 
 inline VoxelCoordinates voxel_of(const Eigen::Vector3d& point, double inverse_edge) {
-  return {static_cast<int>(std::floor(point.x() * inverse_edge)), static_cast<int>(std::floor(point.y() * inverse_edge)),
+  return {static_cast<int>(std::floor(point.x() * inverse_edge)),
+          static_cast<int>(std::floor(point.y() * inverse_edge)),
           static_cast<int>(std::floor(point.z() * inverse_edge))};
 }
 

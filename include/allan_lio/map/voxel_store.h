@@ -19,7 +19,8 @@ class VoxelStore {
  public:
   VoxelStore(double edge, double max_mb)
       : edge_(edge),
-        max_voxels_(std::max<std::size_t>(1, static_cast<std::size_t>(max_mb * 1e6) / kBytesPerVoxel / kChunk) * kChunk) {}
+        max_voxels_(std::max<std::size_t>(1, static_cast<std::size_t>(max_mb * 1e6) / kBytesPerVoxel / kChunk) *
+                    kChunk) {}
 
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return chunks_.size() * kChunk * sizeof(Voxel) + index_.bytes(); }

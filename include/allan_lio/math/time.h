@@ -15,8 +15,6 @@ constexpr TimeNs kNsPerSecond = 1'000'000'000;
 inline double seconds_between(TimeNs from, TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
 
 /// The difference `seconds` [s] as nanoseconds, rounded to the nearest.
-inline TimeNs to_ns(double seconds) {
-  return static_cast<TimeNs>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5));
-}
+inline TimeNs to_ns(double seconds) { return static_cast<TimeNs>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5)); }
 
 }  // namespace allan_lio
