@@ -11,6 +11,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "allan_lio/io/number_text.h"
+
 namespace allan_lio {
 namespace {
 
@@ -31,13 +33,6 @@ std::vector<std::string> split_words(const std::string& line) {
   std::vector<std::string> words;
   for (std::string word; in >> word;) words.push_back(word);
   return words;
-}
-
-/// A finite number and nothing after it, whatever the process's locale.
-bool parse_number(const std::string& text, double* value) {
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
-  return (in >> *value) && in.peek() == std::istringstream::traits_type::eof() && std::isfinite(*value);
 }
 
 StampedPose parse_pose(const std::vector<std::string>& words, const std::string& name, std::size_t line) {

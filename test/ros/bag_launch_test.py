@@ -24,8 +24,8 @@ from tf2_msgs.msg import TFMessage
 TIME_LIMIT = 120  # [s]
 K_DEFAULT = 1
 # Of the propagated pose from the filter's within 3 ms of it [m]; 0.0020 measured, at 1 m/s
-FAR_SHARE = 0.05
 PROPAGATION_TOLERANCE = 0.01
+FAR_SHARE = 0.05  # of the messages may lie farther off, on a machine that is busy
 # T_imu_lidar of the simulated robot, as its configuration has it
 EXTRINSICS = ((0.05, 0.02, 0.10), (1.1423103946452845e-05, -0.0026179659660316213, 0.0043632943319299308,
                                    0.99998705380934128))
