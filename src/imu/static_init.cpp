@@ -37,15 +37,15 @@ Eigen::Quaterniond level(const Eigen::Vector3d& specific_force) {
 
 }  // namespace
 
-bool is_still(const std::vector<ImuSample>& record, const AllanSpec& spec, const InitOptions& options) {
+bool is_still(const std::vector<ImuSample>& record, const NoiseSpec& spec, const InitOptions& options) {
   constexpr double kMostSigma = 10.0;  // a specification may be optimistic; a rotation or a push is far beyond it
   const Mean mean = mean_of(record);
-  const Eigen::Array3d gyro_sigma = spec.gyro_turn_on_bias + spec.gyro_bias_instability;
-  const Eigen::Array3d accel_sigma = spec.accel_turn_on_bias + spec.accel_bias_instability;
+  const Eigen::Array3d gyro_sigma = spec.gyro.turn_on_bias + bias_spread(spec.gyro);
+  const Eigen::Array3d accel_sigma = spec.accel.turn_on_bias + bias_spread(spec.accel);
   const double seconds = seconds_between(record.front().stamp, record.back().stamp);
-  const Eigen::Array3d gyro_noise = spec.gyro_white.array() / std::sqrt(seconds);
+  const Eigen::Array3d gyro_noise = spec.gyro.white.array() / std::sqrt(seconds);
   if ((mean.gyro.array().abs() > kMostSigma * (gyro_sigma + gyro_noise)).any()) return false;
-  const double accel_noise = spec.accel_white.maxCoeff() / std::sqrt(seconds);
+  const double accel_noise = spec.accel.white.maxCoeff() / std::sqrt(seconds);
   if (std::abs(mean.accel.norm() - options.gravity) > kMostSigma * (accel_sigma.maxCoeff() + accel_noise)) return false;
   Eigen::Array3d gyro = Eigen::Array3d::Zero(), accel = Eigen::Array3d::Zero();
   for (const ImuSample& s : record) {
@@ -61,7 +61,7 @@ double detect_accel_scale(const std::vector<ImuSample>& record, double gravity) 
   return length < std::sqrt(gravity) ? gravity : 1.0;  // the geometric middle of 1 g and 9.8 m/s^2
 }
 
-InitialState initialize(const std::vector<ImuSample>& record, bool still, const AllanSpec& spec, const ImuNoise& noise,
+InitialState initialize(const std::vector<ImuSample>& record, bool still, const NoiseSpec& spec, const ImuNoise& noise,
                         const InitOptions& options) {
   const Mean mean = mean_of(record);
   const double length = seconds_between(record.front().stamp, record.back().stamp);
@@ -77,15 +77,15 @@ InitialState initialize(const std::vector<ImuSample>& record, bool still, const 
     out.state.gyro_bias = mean.gyro;
     gyro_variance = noise.gyro_psd / length + noise.gyro_bias_psd * length / 3.0;
   } else {
-    gyro_variance = spec.gyro_turn_on_bias.array().square() + spec.gyro_bias_instability.array().square();
+    gyro_variance = spec.gyro.turn_on_bias.array().square() + bias_spread(spec.gyro).array().square();
   }
 
   // Accelerometer bias and gravity direction: one Kalman step on f = ba - R^T g + noise.
   using Joint = Eigen::Matrix<double, 5, 5>;
   const double kAnyTilt = 1.0;  // [rad] of the gravity direction before the measurement
   Joint prior = Joint::Zero();
-  prior.diagonal() << (spec.accel_turn_on_bias.array().square() + spec.accel_bias_instability.array().square()),
-      kAnyTilt, kAnyTilt;
+  prior.diagonal() << (spec.accel.turn_on_bias.array().square() + bias_spread(spec.accel).array().square()), kAnyTilt,
+      kAnyTilt;
   const Eigen::Matrix3d back = out.state.T_world_imu.rotation.conjugate().toRotationMatrix();
   Eigen::Matrix<double, 3, 5> h;
   h << Eigen::Matrix3d::Identity(), -back * s2_plus_jacobian(out.state.gravity_world);

@@ -6,6 +6,7 @@
 #include "allan_lio/imu/noise_units.h"
 #include "allan_lio/io/config_source.h"
 #include "allan_lio/io/known_keys.h"
+#include "allan_lio/io/noise_keys.h"
 #include "allan_lio/io/number_text.h"
 #include "allan_lio/io/parameter_list.h"
 
@@ -76,27 +77,63 @@ class Reader : public ParameterVisitor {
     if (const ConfigEntry* bare = find(info.key)) refuse(info.key, *bare, "a unit is needed: " + wanted(dimension));
     const ConfigEntry* value = find(info.key + "/value");
     const ConfigEntry* unit = find(info.key + "/unit");
+    const double rate = rate_of(info.key);
     if (value == nullptr) {
       throw ConfigError(info.key + " is missing" + (unit ? " its value (" + unit->origin + ")" : "") +
                         ": an IMU's noise has no default. Include the file of the IMU, for example " +
                         "'include: [imu/mti600]', or give " + wanted(dimension));
     }
     if (unit == nullptr) refuse(info.key + "/value", *value, "a unit is needed: " + wanted(dimension));
-    const UnitConversion conversion = convert_unit(scalar(info.key + "/unit", *unit), dimension);
-    if (!conversion.ok()) refuse(info.key + "/unit", *unit, conversion.error);
+    const NoiseForm form = convert_noise_unit(scalar(info.key + "/unit", *unit), dimension);
+    if (!form.ok()) refuse(info.key + "/unit", *unit, form.error);
+    check_rate(info.key, *unit, dimension, rate);
     if (value->items.size() != (value->is_list ? 3u : 1u))
       refuse(info.key + "/value", *value, "must be one number, or a list of 3 for the axes x, y, z");
     for (std::size_t i = 0; i < 3; ++i) {
       const std::string key = value->is_list ? indexed(info.key + "/value", i) : info.key + "/value";
       // A range is positive or not negative, so it holds in any unit; what under- or overflows in SI is caught after.
       const double number = to_number(key, *value, value->items[value->is_list ? i : 0], range, "");
-      const double si = number * conversion.to_si;
+      const double si = form.apply(number, rate);
       if (!std::isfinite(si) || (si == 0.0) != (number == 0.0)) refuse(key, *value, "is beyond all measure");
       field[static_cast<Eigen::Index>(i)] = si;
     }
   }
 
+  void optional_quantity(const ParameterInfo& info, Eigen::Vector3d& field, double absent, Dimension dimension,
+                         const ParameterRange& range) override {
+    field.setConstant(absent);
+    const bool given = find(info.key) || find(info.key + "/value") || find(info.key + "/unit");
+    if (given) quantity(info, field, dimension, range);
+  }
+
  private:
+  /// `rate: 400 Hz` of a quantity; 0 if there is none.
+  double rate_of(const std::string& key) const {
+    const ConfigEntry* entry = find(key + "/rate");
+    if (entry == nullptr) return 0.0;
+    const std::string& text = scalar(key + "/rate", *entry);
+    const std::size_t end = text.find_first_not_of("0123456789+-.eE");
+    double number = 0.0;
+    if (end == std::string::npos || !parse_number(text.substr(0, end), &number))
+      refuse(key + "/rate", *entry, "must be a number with its unit, for example '400 Hz'");
+    const UnitConversion unit = convert_unit(text.substr(text.find_first_not_of(' ', end)), Dimension::kFrequency);
+    if (!unit.ok()) refuse(key + "/rate", *entry, unit.error);
+    if (!(number > 0)) refuse(key + "/rate", *entry, "must be > 0");
+    return number * unit.to_si;
+  }
+
+  static void check_rate(const std::string& key, const ConfigEntry& unit, Dimension dimension, double rate) {
+    const std::string& text = unit.items.front();
+    const bool of_samples = convert_noise_unit(text, dimension).of_samples;
+    if (of_samples && rate == 0.0) {
+      refuse(key + "/unit", unit,
+             convert_unit(text, dimension).error +
+                 "; if it is a figure of single samples, add the rate at which they are taken: 'rate: 400 Hz'");
+    }
+    if (!of_samples && rate != 0.0)
+      refuse(key + "/unit", unit, "is not the unit of a figure of single samples; the rate beside it has no meaning");
+  }
+
   const ConfigEntry* find(const std::string& key) const {
     const auto at = source_.find(key);
     return at == source_.end() ? nullptr : &at->second;
@@ -163,6 +200,7 @@ void check_with_origins(const LioConfig& config, const ConfigSource& source) {
 
 LioConfig read_config(const ConfigSource& source) {
   refuse_unknown_keys(source);
+  check_noise_keys(source);
   LioConfig config{};
   Reader reader(source);
   declare_parameters(reader, config);
@@ -171,12 +209,13 @@ LioConfig read_config(const ConfigSource& source) {
   return config;
 }
 
-LioConfig default_config(const AllanSpec& spec) {
+LioConfig default_config(const NoiseSpec& spec) {
   /// The quantities alone have no default and keep what is there.
   class Defaults : public Reader {
    public:
     using Reader::Reader;
     void quantity(const ParameterInfo&, Eigen::Vector3d&, Dimension, const ParameterRange&) override {}
+    void optional_quantity(const ParameterInfo&, Eigen::Vector3d&, double, Dimension, const ParameterRange&) override {}
   };
   const ConfigSource nothing;
   LioConfig config{};
@@ -197,6 +236,16 @@ void check_config(const LioConfig& config) {
   if (std::abs(norm - 1.0) > kNormTolerance) {
     throw ConfigError("extrinsics/T_imu_lidar/rotation must be a unit quaternion x, y, z, w; its norm is " +
                       number_text(norm));
+  }
+  const NoiseSpec& spec = config.imu.spec;
+  if (config.imu.bias_model == BiasModel::kGaussMarkov) {
+    const char* const sensor = !spec.gyro.bias_time.allFinite()    ? "gyro"
+                               : !spec.accel.bias_time.allFinite() ? "accel"
+                                                                   : nullptr;
+    if (sensor != nullptr) {
+      throw ConfigError("imu/bias_model = gauss_markov needs imu/noise/" + std::string(sensor) +
+                        "_bias_time : a random walk has no correlation time");
+    }
   }
   const std::pair<const char*, const std::string*> names[] = {
       {"topics/imu", &config.topics.imu},   {"topics/lidar", &config.topics.lidar},

@@ -10,13 +10,14 @@
 namespace allan_lio {
 namespace {
 
-/// Every key that a source may hold; a quantity is two of them.
+/// Every key that a source may hold; a quantity is three of them.
 std::vector<std::string> known_keys() {
   std::vector<std::string> keys;
-  for (const ParameterEntry& entry : list_parameters(default_config(AllanSpec()))) {
+  for (const ParameterEntry& entry : list_parameters(default_config(NoiseSpec()))) {
     if (entry.kind == ParameterEntry::Kind::kQuantity) {
       keys.push_back(entry.info.key + "/value");
       keys.push_back(entry.info.key + "/unit");
+      keys.push_back(entry.info.key + "/rate");
     } else {
       keys.push_back(entry.info.key);
     }

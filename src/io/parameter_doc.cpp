@@ -15,7 +15,7 @@ using Kind = ParameterEntry::Kind;
 
 constexpr std::size_t kCommentWidth = 110;
 
-std::vector<ParameterEntry> defaults() { return list_parameters(default_config(AllanSpec())); }
+std::vector<ParameterEntry> defaults() { return list_parameters(default_config(NoiseSpec())); }
 
 std::string join(const std::vector<std::string>& words) {
   std::string text;
@@ -78,7 +78,8 @@ void append_quantity(const ParameterEntry& entry, std::vector<std::string>* line
   }
   for (const std::string& line : wrap(entry.info.sentence)) lines->push_back("  # " + line);
   lines->push_back("  # Units: " + join(usual_units(entry.dimension)));
-  lines->push_back("  " + last_part(entry.info.key) + ": {value: NUMBER, unit: " + entry.info.unit + "}  # " +
+  const std::string instead = entry.optional ? "one of the ways to tell the bias; " : "";
+  lines->push_back("  " + last_part(entry.info.key) + ": {value: NUMBER, unit: " + entry.info.unit + "}  # " + instead +
                    range_text(entry.range) + ", one number or three");
 }
 
@@ -105,7 +106,8 @@ std::string parameters_markdown() {
       "are\ndeclared; a test keeps this page and `config/lio.yaml` the same as the code. Keys are joined by `/` here "
       "and on the command\nline (`--param imu/k_gb=2`), nested in YAML and on the parameter server. A key that is "
       "not here is refused.\nNoise quantities carry their unit, as in "
-      "`gyro_white_noise: {value: 0.42, unit: deg/sqrt(h)}` (see imu_noise.md).\n";
+      "`gyro_white_noise: {value: 0.42, unit: deg/sqrt(h)}` (see imu_noise.md); of the bias\nfigures "
+      "`bias_instability`, `bias_random_walk` and `bias_sigma` exactly one is given.\n";
   std::string group;
   for (const ParameterEntry& entry : defaults()) {
     const std::string this_group = entry.info.key.substr(0, entry.info.key.find('/'));
@@ -116,8 +118,11 @@ std::string parameters_markdown() {
     const bool quantity = entry.kind == Kind::kQuantity;
     const std::string unit = unit_or_empty(entry);
     text += "| `" + entry.info.key + "` | " + (quantity ? "`" + join(usual_units(entry.dimension)) + "`" : unit) +
-            " | " + (quantity ? "none" : "`" + yaml_value(entry) + "`") + " | " + allowed(entry) +
-            (quantity ? "; one number or three" : "") + " | " + entry.info.sentence + " |\n";
+            " | " +
+            (entry.optional ? "not given"
+             : quantity     ? "none"
+                            : "`" + yaml_value(entry) + "`") +
+            " | " + allowed(entry) + (quantity ? "; one number or three" : "") + " | " + entry.info.sentence + " |\n";
   }
   return text;
 }

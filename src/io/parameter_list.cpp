@@ -47,6 +47,13 @@ class Lister : public ParameterVisitor {
     entry.dimension = dimension;
   }
 
+  void optional_quantity(const ParameterInfo& info, Eigen::Vector3d& field, double absent, Dimension dimension,
+                         const ParameterRange& range) override {
+    quantity(info, field, dimension, range);
+    entries_.back().optional = true;
+    entries_.back().given = (field.array() != absent).any();
+  }
+
   std::vector<ParameterEntry> take() { return std::move(entries_); }
 
  private:

@@ -2,34 +2,73 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/lio/lio_config.h"
 
+#include <limits>
+
 namespace allan_lio {
 namespace {
 
 using Range = ParameterRange;
 
-void declare_noise(ParameterVisitor& v, AllanSpec& spec) {
+/// The bias of one sensor is told in one of three ways; which, check_noise_keys() sees to.
+void declare_gyro_bias(ParameterVisitor& v, SensorNoise& gyro) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  v.optional_quantity({"imu/noise/gyro_bias_instability", "rad/s",
+                       "sigma_bg, the Allan deviation on the flat part of the gyro's curve."},
+                      gyro.bias_instability, 0.0, Dimension::kAngularRate, Range::positive());
+  v.optional_quantity({"imu/noise/gyro_bias_random_walk", "rad/s^2/sqrt(Hz)",
+                       "K_g, rate random walk, instead of bias_instability: kalibr's gyroscope_random_walk, or "
+                       "FAST-LIO2's b_gyr_cov with the unit (rad/s^2)^2 and the rate."},
+                      gyro.bias_random_walk, 0.0, Dimension::kGyroRandomWalk, Range::positive());
+  v.optional_quantity({"imu/noise/gyro_bias_sigma", "rad/s",
+                       "Steady-state standard deviation of a Gauss-Markov bias, instead of bias_instability."},
+                      gyro.bias_sigma, 0.0, Dimension::kAngularRate, Range::positive());
+  v.optional_quantity({"imu/noise/gyro_bias_time", "s",
+                       "T_bg, correlation time of the gyro's bias: the averaging time of the flat part over 1.8926."},
+                      gyro.bias_time, kNone, Dimension::kTime, Range::positive());
+  Eigen::Vector3d flat = Eigen::Vector3d::Zero();
+  v.optional_quantity({"imu/noise/gyro_bias_flat_time", "s",
+                       "The averaging time at which the gyro's Allan deviation is flat, instead of bias_time."},
+                      flat, 0.0, Dimension::kTime, Range::positive());
+  if (!flat.isZero(0)) gyro.bias_time = flat.unaryExpr(&correlation_time_from_flat);
+}
+
+void declare_accel_bias(ParameterVisitor& v, SensorNoise& accel) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  v.optional_quantity({"imu/noise/accel_bias_instability", "m/s^2",
+                       "sigma_ba, the Allan deviation on the flat part of the accelerometer's curve."},
+                      accel.bias_instability, 0.0, Dimension::kAcceleration, Range::positive());
+  v.optional_quantity({"imu/noise/accel_bias_random_walk", "m/s^3/sqrt(Hz)",
+                       "K_a, acceleration random walk, instead of bias_instability: kalibr's "
+                       "accelerometer_random_walk, or FAST-LIO2's b_acc_cov with the unit (m/s^3)^2 and the rate."},
+                      accel.bias_random_walk, 0.0, Dimension::kAccelRandomWalk, Range::positive());
+  v.optional_quantity({"imu/noise/accel_bias_sigma", "m/s^2",
+                       "Steady-state standard deviation of a Gauss-Markov bias, instead of bias_instability."},
+                      accel.bias_sigma, 0.0, Dimension::kAcceleration, Range::positive());
+  v.optional_quantity({"imu/noise/accel_bias_time", "s",
+                       "T_ba, correlation time of the accelerometer's bias: the averaging time of the flat part over "
+                       "1.8926."},
+                      accel.bias_time, kNone, Dimension::kTime, Range::positive());
+  Eigen::Vector3d flat = Eigen::Vector3d::Zero();
+  v.optional_quantity(
+      {"imu/noise/accel_bias_flat_time", "s",
+       "The averaging time at which the accelerometer's Allan deviation is flat, instead of bias_time."},
+      flat, 0.0, Dimension::kTime, Range::positive());
+  if (!flat.isZero(0)) accel.bias_time = flat.unaryExpr(&correlation_time_from_flat);
+}
+
+void declare_noise(ParameterVisitor& v, NoiseSpec& spec) {
   v.quantity({"imu/noise/gyro_white_noise", "rad/s/sqrt(Hz)",
               "N_g, angle random walk. Take it from the data sheet or an Allan deviation at 1 s."},
-             spec.gyro_white, Dimension::kGyroWhiteNoise, Range::positive());
+             spec.gyro.white, Dimension::kGyroWhiteNoise, Range::positive());
   v.quantity({"imu/noise/accel_white_noise", "m/s^2/sqrt(Hz)",
               "N_a, velocity random walk. Take it from the data sheet or an Allan deviation at 1 s."},
-             spec.accel_white, Dimension::kAccelWhiteNoise, Range::positive());
-  v.quantity({"imu/noise/gyro_bias_instability", "rad/s",
-              "sigma_bg, the Allan deviation on the flat part of the gyro's curve."},
-             spec.gyro_bias_instability, Dimension::kAngularRate, Range::positive());
-  v.quantity({"imu/noise/accel_bias_instability", "m/s^2",
-              "sigma_ba, the Allan deviation on the flat part of the accelerometer's curve."},
-             spec.accel_bias_instability, Dimension::kAcceleration, Range::positive());
-  v.quantity({"imu/noise/gyro_bias_time", "s",
-              "T_bg, correlation time of the gyro's bias: the averaging time of the flat part over 1.8926."},
-             spec.gyro_bias_time, Dimension::kTime, Range::positive());
-  v.quantity({"imu/noise/accel_bias_time", "s",
-              "T_ba, correlation time of the accelerometer's bias: the averaging time of the flat part over 1.8926."},
-             spec.accel_bias_time, Dimension::kTime, Range::positive());
+             spec.accel.white, Dimension::kAccelWhiteNoise, Range::positive());
+  declare_gyro_bias(v, spec.gyro);
+  declare_accel_bias(v, spec.accel);
   v.quantity({"imu/noise/gyro_turn_on_bias", "rad/s", "1 sigma of the gyro's constant bias at switch-on."},
-             spec.gyro_turn_on_bias, Dimension::kAngularRate, Range::not_negative());
+             spec.gyro.turn_on_bias, Dimension::kAngularRate, Range::not_negative());
   v.quantity({"imu/noise/accel_turn_on_bias", "m/s^2", "1 sigma of the accelerometer's constant bias at switch-on."},
-             spec.accel_turn_on_bias, Dimension::kAcceleration, Range::not_negative());
+             spec.accel.turn_on_bias, Dimension::kAcceleration, Range::not_negative());
 }
 
 void declare_imu(ParameterVisitor& v, LioConfig::Imu& imu) {

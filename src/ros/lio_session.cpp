@@ -8,6 +8,7 @@
 #include <exception>
 #include <utility>
 
+#include "allan_lio/imu/noise_report.h"
 #include "allan_lio/ros/conversions.h"
 
 namespace allan_lio {
@@ -20,7 +21,8 @@ constexpr std::uint64_t kHopelessClouds = 50;
 /// late or damaged, and the estimator drops them.
 constexpr TimeNs kBackInTime = 1 * kNsPerSecond;
 constexpr int kSamplesBackInTime = 10;
-constexpr double kLongestInterval = 0.1;  // [s] between IMU samples; longer is a gap
+constexpr std::uint64_t kRateSamples = 100;  // that the IMU's rate is told from
+constexpr double kLongestInterval = 0.1;     // [s] between IMU samples; longer is a gap
 
 double process_cpu_seconds() {
   timespec now{};
@@ -44,7 +46,11 @@ class CpuMeter {
 }  // namespace
 
 LioSession::LioSession(const LioConfig& config, const std::string& out, OnResult on_result)
-    : odometry_(std::make_unique<Odometry>(config)), decoder_(config.lidar), on_result_(std::move(on_result)) {
+    : odometry_(std::make_unique<Odometry>(config)),
+      decoder_(config.lidar),
+      on_result_(std::move(on_result)),
+      noise_spec_(config.imu.spec),
+      noise_scale_(config.imu.scale) {
   if (!out.empty()) writer_ = std::make_unique<RunWriter>(out, config);
 }
 
@@ -63,6 +69,8 @@ void LioSession::add(const sensor_msgs::Imu& message) {
   if (step > 0.0 && step < kLongestInterval) {
     imu_seconds_ += step;
     ++imu_steps_;
+    if (imu_steps_ == kRateSamples)
+      noise_report_ = describe_noise(noise_spec_, noise_scale_, static_cast<double>(imu_steps_) / imu_seconds_);
   }
   newest_imu_ = std::max(newest_imu_, sample.stamp);
   odometry_->add_imu(sample);
@@ -158,6 +166,7 @@ void LioSession::finish(const std::string& status) {
   summary.map_megabytes = odometry_->map_megabytes();
   summary.map_voxels = odometry_->map_voxels();
   summary.notes = notes_;
+  summary.notes.insert(summary.notes.begin(), noise_report_.begin(), noise_report_.end());
   if (!verdict().empty()) summary.notes.insert(summary.notes.begin(), verdict());
   if (undecodable_ > 0)
     summary.notes.push_back(std::to_string(undecodable_) +

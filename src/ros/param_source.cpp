@@ -109,6 +109,7 @@ NodeParameters read_node_parameters(const ros::NodeHandle& private_handle) {
 }
 
 void show_in_force(const ros::NodeHandle& private_handle, const LioConfig& config) {
+  private_handle.deleteParam(kInForce);  // what an earlier run left
   const ros::NodeHandle in_force(private_handle, kInForce);
   for (const auto& [key, entry] : to_source(config)) in_force.setParam(key, to_value(entry));
 }

@@ -29,30 +29,35 @@ Eigen::Vector3d draw_normal(std::mt19937_64& generator) {
 
 }  // namespace
 
-ImuErrorModel::ImuErrorModel(const AllanSpec& spec, const ImuErrorConfig& config, double rate, std::uint64_t seed)
+ImuErrorModel::ImuErrorModel(const NoiseSpec& spec, const ImuErrorConfig& config, double rate, std::uint64_t seed)
     : white_generator_(make_generator(seed, kWhiteStream)), bias_generator_(make_generator(seed, kBiasStream)) {
   if (!(rate > 0)) throw std::invalid_argument("the IMU's rate must be positive");
-  if (!(spec.gyro_bias_time.minCoeff() > 0 && spec.accel_bias_time.minCoeff() > 0))
+  if (!(spec.gyro.bias_time.minCoeff() > 0 && spec.accel.bias_time.minCoeff() > 0))
     throw std::invalid_argument("the IMU's bias correlation times must be positive");
-  const auto make_sensor = [&](const Eigen::Vector3d& white, const Eigen::Vector3d& sigma_b,
-                               const Eigen::Vector3d& time, const Eigen::Vector3d& turn_on) {
+  const auto make_sensor = [&](const SensorNoise& noise) {
     Sensor sensor;
-    sensor.white_sigma = (config.white ? std::sqrt(rate) : 0.0) * white;
-    // The process's own deviation, sqrt(S_b T_b/2).
-    sensor.bias_sigma = (config.bias_walk ? 1.0 : 0.0) * (0.5 * bias_psd(sigma_b, time).cwiseProduct(time)).cwiseSqrt();
-    sensor.decay = (-1.0 / (rate * time.array())).exp();
-    sensor.turn_on = (config.turn_on ? 1.0 : 0.0) * turn_on.cwiseProduct(draw_normal(bias_generator_));
-    sensor.wandering = sensor.bias_sigma.cwiseProduct(draw_normal(bias_generator_));
+    sensor.white_sigma = (config.white ? std::sqrt(rate) : 0.0) * noise.white;
+    sensor.decay = (-1.0 / (rate * noise.bias_time.array())).exp();
+    sensor.turn_on = (config.turn_on ? 1.0 : 0.0) * noise.turn_on_bias.cwiseProduct(draw_normal(bias_generator_));
+    // The process's own deviation, sqrt(S_b T_b/2); a random walk has none and starts at zero.
+    const Eigen::Vector3d density = (config.bias_walk ? 1.0 : 0.0) * bias_psd(noise);
+    const Eigen::Vector3d start = draw_normal(bias_generator_);
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool settles = std::isfinite(noise.bias_time[axis]);
+      const double sigma = settles ? std::sqrt(0.5 * (density[axis] * noise.bias_time[axis])) : 0.0;
+      sensor.wandering[axis] = sigma * start[axis];
+      sensor.step[axis] =
+          settles ? sigma * std::sqrt(1.0 - sensor.decay[axis] * sensor.decay[axis]) : std::sqrt(density[axis] / rate);
+    }
     return sensor;
   };
-  gyro_ = make_sensor(spec.gyro_white, spec.gyro_bias_instability, spec.gyro_bias_time, spec.gyro_turn_on_bias);
-  accel_ = make_sensor(spec.accel_white, spec.accel_bias_instability, spec.accel_bias_time, spec.accel_turn_on_bias);
+  gyro_ = make_sensor(spec.gyro);
+  accel_ = make_sensor(spec.accel);
 }
 
 Eigen::Vector3d ImuErrorModel::Sensor::next_bias(std::mt19937_64& generator) {
   const Eigen::Vector3d bias = turn_on + wandering;
-  const Eigen::Array3d step = bias_sigma.array() * (1.0 - decay.array().square()).sqrt();
-  wandering = (decay.array() * wandering.array() + step * draw_normal(generator).array()).matrix();
+  wandering = decay.cwiseProduct(wandering) + step.cwiseProduct(draw_normal(generator));
   return bias;
 }
 
@@ -70,7 +75,7 @@ Eigen::Vector3d specific_force(const MotionState& state) {
 }
 
 SimulatedImu simulate_imu(const SimTrajectory& trajectory, double duration, TimeNs start_stamp, double rate,
-                          const AllanSpec& spec, const ImuErrorConfig& config, std::uint64_t seed) {
+                          const NoiseSpec& spec, const ImuErrorConfig& config, std::uint64_t seed) {
   ImuErrorModel model(spec, config, rate, seed);
   SimulatedImu imu;
   const auto count = static_cast<std::int64_t>(duration * rate + 1e-6) + 1;

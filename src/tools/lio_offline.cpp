@@ -125,9 +125,14 @@ int run(const Arguments& a) {
 
   ProgressBar bar(bags.begin(), bags.end());
   BagMessage message;
-  bool stopped = false;
+  bool stopped = false, told_noise = false;
   while (!stopped && session.hopeless().empty() && bags.next(message)) {
     feed(message, config, session);
+    if (!told_noise && !session.noise_report().empty()) {
+      for (const std::string& line : session.noise_report()) std::cout << line << '\n';
+      std::cout.flush();
+      told_noise = true;
+    }
     bar.show(message.time);
     stopped = stop.came();
   }

@@ -96,7 +96,7 @@ std::string default_extrinsics_text() {
 }
 
 /// `name`: an IMU of config/imu or a file.
-allan_lio::AllanSpec load_imu(const std::string& name) {
+allan_lio::NoiseSpec load_imu(const std::string& name) {
   std::vector<std::string> dirs;
   for (const std::string& dir : allan_lio::config_search_dirs()) dirs.insert(dirs.end(), {dir + "/imu", dir});
   return allan_lio::read_config(allan_lio::load_yaml(name, dirs)).imu.spec;
@@ -177,7 +177,7 @@ void simulate(const Options& options) {
   allan_lio::LidarPattern pattern = allan_lio::make_lidar_pattern(options.lidar);
   pattern.max_range = options.max_range.value_or(scene.max_range);
   pattern.range_noise = options.range_noise.value_or(pattern.range_noise);
-  const allan_lio::AllanSpec spec = load_imu(options.imu);
+  const allan_lio::NoiseSpec spec = load_imu(options.imu);
   const TimeNs start = allan_lio::to_ns(options.start);
   const auto seed = static_cast<std::uint64_t>(options.seed);
 

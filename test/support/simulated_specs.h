@@ -10,17 +10,17 @@
 namespace allan_lio {
 
 /// The MTi-600's figures (theory section 1) with the turn-on biases of config/imu/mti600.yaml, in SI.
-inline AllanSpec mti600_spec() {
+inline NoiseSpec mti600_spec() {
   constexpr double kDeg = M_PI / 180.0, kMicroG = 9.80665e-6;
-  AllanSpec s;
-  s.gyro_white.setConstant(0.42 * kDeg / 60.0);
-  s.accel_white.setConstant(60.0 * kMicroG);
-  s.gyro_bias_instability.setConstant(8.0 * kDeg / 3600.0);
-  s.accel_bias_instability.setConstant(10.0 * kMicroG);
-  s.gyro_bias_time.setConstant(31.7);
-  s.accel_bias_time << 63.5, 63.5, 31.7;
-  s.gyro_turn_on_bias.setConstant(0.2 * kDeg);
-  s.accel_turn_on_bias.setConstant(5e3 * kMicroG);
+  NoiseSpec s;
+  s.gyro.white.setConstant(0.42 * kDeg / 60.0);
+  s.accel.white.setConstant(60.0 * kMicroG);
+  s.gyro.bias_instability.setConstant(8.0 * kDeg / 3600.0);
+  s.accel.bias_instability.setConstant(10.0 * kMicroG);
+  s.gyro.bias_time.setConstant(31.7);
+  s.accel.bias_time << 63.5, 63.5, 31.7;
+  s.gyro.turn_on_bias.setConstant(0.2 * kDeg);
+  s.accel.turn_on_bias.setConstant(5e3 * kMicroG);
   return s;
 }
 

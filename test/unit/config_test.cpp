@@ -84,14 +84,14 @@ TEST(Config, SilentParametersHaveTheirDefaults) {
 }
 
 TEST(Config, NoiseIsReadInItsUnits) {
-  const AllanSpec spec = read_config(source_with("")).imu.spec;
+  const NoiseSpec spec = read_config(source_with("")).imu.spec;
   const double degree = 3.14159265358979323846 / 180.0;
   constexpr double kRounding = 1e-15;
-  EXPECT_NEAR(spec.gyro_white[2] / (0.42 * degree / 60.0), 1.0, kRounding);
-  EXPECT_NEAR(spec.accel_white[0] / (60e-6 * 9.80665), 1.0, kRounding);
-  EXPECT_NEAR(spec.gyro_bias_instability[1] / (8 * degree / 3600.0), 1.0, kRounding);
-  EXPECT_EQ(spec.accel_bias_time, Eigen::Vector3d(63.5, 63.5, 31.7));
-  EXPECT_EQ(spec.accel_turn_on_bias, Eigen::Vector3d::Zero());
+  EXPECT_NEAR(spec.gyro.white[2] / (0.42 * degree / 60.0), 1.0, kRounding);
+  EXPECT_NEAR(spec.accel.white[0] / (60e-6 * 9.80665), 1.0, kRounding);
+  EXPECT_NEAR(spec.gyro.bias_instability[1] / (8 * degree / 3600.0), 1.0, kRounding);
+  EXPECT_EQ(spec.accel.bias_time, Eigen::Vector3d(63.5, 63.5, 31.7));
+  EXPECT_EQ(spec.accel.turn_on_bias, Eigen::Vector3d::Zero());
 }
 
 TEST(Config, EveryKindOfValueIsRead) {
@@ -161,6 +161,82 @@ TEST(Config, AUnitOfAnotherDimensionIsRefused) {
   EXPECT_HAS(error, "imu/noise/gyro_white_noise/unit = 'deg/h' (test.yaml:1)");
   EXPECT_HAS(error, "an angular rate");
   EXPECT_HAS(complaint("imu: {noise: {gyro_bias_time: {value: 8, unit: parsec}}}\n"), "'parsec' is not a unit");
+}
+
+TEST(Config, ABiasIsToldInOneOfThreeWaysAndTheLaterOneReplacesTheEarlier) {
+  const LioConfig walk =
+      read_config(source_with("imu: {noise: {gyro_bias_random_walk: {value: 2e-5, unit: rad/s^2/sqrt(Hz)}}}"));
+  EXPECT_EQ(walk.imu.spec.gyro.bias_random_walk, Eigen::Vector3d::Constant(2e-5));
+  EXPECT_TRUE(walk.imu.spec.gyro.bias_instability.isZero(0));
+  EXPECT_FALSE(walk.imu.spec.gyro.bias_time.allFinite()) << "the time of the file below went with its figure";
+  EXPECT_TRUE(walk.imu.spec.accel.bias_time.allFinite()) << "the accelerometer was not spoken of";
+
+  const LioConfig markov = read_config(source_with(
+      "imu: {noise: {accel_bias_sigma: {value: [1, 2, 3], unit: mGal}, accel_bias_time: {value: 1, unit: h}}}"));
+  EXPECT_EQ(bias_kind(markov.imu.spec.accel), BiasKind::kGaussMarkov);
+  EXPECT_EQ(markov.imu.spec.accel.bias_time, Eigen::Vector3d::Constant(3600.0));
+  EXPECT_NEAR(markov.imu.spec.accel.bias_sigma.z(), 3e-5, 1e-19);
+
+  const LioConfig flat = read_config(source_with("imu: {noise: {gyro_bias_flat_time: {value: 200, unit: s}}}"));
+  EXPECT_NEAR(flat.imu.spec.gyro.bias_time.x(), 105.7, 0.05);
+  EXPECT_FALSE(flat.imu.spec.gyro.bias_instability.isZero(0)) << "the figure stays, only its time is told otherwise";
+}
+
+TEST(Config, NoiseOfSingleSamplesIsReadWithItsRate) {
+  const LioConfig config =
+      read_config(source_with("imu: {noise: {gyro_white_noise: {value: 0.1, unit: (rad/s)^2, rate: 400 Hz},"
+                              " accel_white_noise: {value: 0.1, unit: m/s^2, rate: 100Hz},"
+                              " gyro_bias_random_walk: {value: 1e-4, unit: (rad/s^2)^2, rate: 400 Hz}}}"));
+  EXPECT_NEAR(config.imu.spec.gyro.white.x(), std::sqrt(0.1 / 400), 1e-17);
+  EXPECT_NEAR(config.imu.spec.accel.white.x(), 0.01, 1e-17);
+  EXPECT_NEAR(config.imu.spec.gyro.bias_random_walk.x(), 1e-2 / 20.0, 1e-18);
+  const ConfigSource discrete =
+      parse_yaml("imu: {noise: {gyro_white_noise: {value: 0.1, unit: (rad/s)^2, rate: 400 Hz}}}", "fast.yaml");
+  const ConfigSource density =
+      parse_yaml("imu: {noise: {gyro_white_noise: {value: 1, unit: deg/sqrt(h)}}}", "sheet.yaml");
+  EXPECT_EQ(complaint(""), "");
+  EXPECT_NO_THROW(read_config(merge(merge(source_with(""), discrete), density))) << "the rate goes with its figure";
+}
+
+TEST(Config, SingleSamplesWithoutARateAndARateWithoutSamplesAreRefused) {
+  EXPECT_HAS(complaint("imu: {noise: {gyro_white_noise: {value: 0.1, unit: (rad/s)^2}}}"),
+             "add the rate at which they are taken: 'rate: 400 Hz'");
+  EXPECT_HAS(complaint("imu: {noise: {gyro_white_noise: {value: 0.1, unit: (rad/s)^2, rate: 400}}}"),
+             "imu/noise/gyro_white_noise/rate = '400' (test.yaml:1): must be a number with its unit");
+  EXPECT_HAS(complaint("imu: {noise: {gyro_white_noise: {value: 0.1, unit: (rad/s)^2, rate: 400 s}}}"), "a frequency");
+  EXPECT_HAS(complaint("imu: {noise: {gyro_white_noise: {value: 0.1, unit: (rad/s)^2, rate: 0 Hz}}}"), "must be > 0");
+  EXPECT_HAS(complaint("imu: {noise: {gyro_white_noise: {value: 1, unit: deg/sqrt(h), rate: 400 Hz}}}"),
+             "the rate beside it has no meaning");
+}
+
+TEST(Config, ABiasToldTwiceOrHalfIsRefused) {
+  const auto twice = [] {
+    try {
+      read_config(
+          parse_yaml(std::string(kMti600Noise) + "    gyro_bias_random_walk: {value: 2e-5, unit: rad/s^2/sqrt(Hz)}\n",
+                     "base.yaml"));
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  }();
+  EXPECT_HAS(twice, "imu/noise/gyro_bias_instability (base.yaml:5) and imu/noise/gyro_bias_random_walk (base.yaml:11)");
+  EXPECT_HAS(complaint("imu: {noise: {gyro_bias_sigma: {value: 1, unit: deg/h}}}"),
+             "imu/noise/gyro_bias_time is missing: imu/noise/gyro_bias_sigma (test.yaml:1) needs it");
+  EXPECT_HAS(
+      complaint("imu: {bias_model: gauss_markov, noise: {accel_bias_random_walk: {value: 1, unit: ug/sqrt(s)}}}"),
+      "needs imu/noise/accel_bias_time");
+}
+
+TEST(Config, EveryKindOfBiasPrintsAndReadsBackToTheSameBits) {
+  for (const char* yaml :
+       {"imu: {noise: {gyro_bias_random_walk: {value: 2e-5, unit: rad/s^2/sqrt(Hz)}}}",
+        "imu: {noise: {gyro_bias_sigma: {value: [1, 2, 3], unit: deg/h}, gyro_bias_time: {value: 4, unit: h}}}",
+        "imu: {noise: {accel_bias_flat_time: {value: 200, unit: s}}}",
+        "imu: {noise: {accel_white_noise: {value: 0.1, unit: (m/s^2)^2, rate: 250 Hz}}}"}) {
+    const std::string printed = print_config(read_config(source_with(yaml)));
+    EXPECT_EQ(print_config(read_config(parse_yaml(printed, "printed.yaml"))), printed) << yaml;
+  }
 }
 
 TEST(Config, BadNoiseValuesAreRefusedByName) {
@@ -241,7 +317,7 @@ TEST(Config, APrintedConfigurationReadsBackToTheSameBits) {
   const LioConfig back = read_config(parse_yaml(print_config(config), "printed"));
   EXPECT_EQ(values_of(back), values_of(config));
   EXPECT_EQ(back.T_imu_lidar.rotation.coeffs(), config.T_imu_lidar.rotation.coeffs());
-  EXPECT_EQ(back.imu.spec.gyro_white, config.imu.spec.gyro_white);
+  EXPECT_EQ(back.imu.spec.gyro.white, config.imu.spec.gyro.white);
   EXPECT_EQ(back.lidar.time_field, config.lidar.time_field);
   EXPECT_EQ(back.frames.odom, "on");
   EXPECT_EQ(print_config(back), print_config(config));
@@ -258,7 +334,7 @@ TEST(Config, TheHashTellsConfigurationsApart) {
 }
 
 TEST(Config, DefaultsWithANoiseAreAnAcceptedConfiguration) {
-  const AllanSpec spec = read_config(source_with("")).imu.spec;
+  const NoiseSpec spec = read_config(source_with("")).imu.spec;
   const LioConfig config = default_config(spec);
   EXPECT_NO_THROW(check_config(config));
   EXPECT_EQ(values_of(config), values_of(read_config(source_with(""))));
@@ -274,7 +350,7 @@ TEST(ConfigOverride, ReplacesValuesListsAndQuantities) {
   EXPECT_EQ(config.imu.scale.k_gb, 2.0);
   EXPECT_EQ(config.T_imu_lidar.translation, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(config.lidar.time_field, "");
-  EXPECT_EQ(config.imu.spec.gyro_bias_time, Eigen::Vector3d::Constant(3600.0));
+  EXPECT_EQ(config.imu.spec.gyro.bias_time, Eigen::Vector3d::Constant(3600.0));
   EXPECT_EQ(config.topics.imu, "/a=b");
 }
 
@@ -439,18 +515,18 @@ TEST(ShippedConfig, NoFileIsForgottenByTheseTests) {
 }
 
 TEST(ShippedConfig, Mti600AndAdis16465HoldTheFiguresOfThePaper) {
-  const AllanSpec mti = load_shipped("include: imu/mti600\n").imu.spec;
-  const AllanSpec paper = read_config(source_with("")).imu.spec;
-  EXPECT_EQ(mti.gyro_white, paper.gyro_white);
-  EXPECT_EQ(mti.accel_white, paper.accel_white);
-  EXPECT_EQ(mti.gyro_bias_instability, paper.gyro_bias_instability);
-  EXPECT_EQ(mti.accel_bias_instability, paper.accel_bias_instability);
-  EXPECT_EQ(mti.gyro_bias_time, paper.gyro_bias_time);
-  EXPECT_EQ(mti.accel_bias_time, paper.accel_bias_time);
-  const AllanSpec adis = load_shipped("include: imu/adis16465\n").imu.spec;
+  const NoiseSpec mti = load_shipped("include: imu/mti600\n").imu.spec;
+  const NoiseSpec paper = read_config(source_with("")).imu.spec;
+  EXPECT_EQ(mti.gyro.white, paper.gyro.white);
+  EXPECT_EQ(mti.accel.white, paper.accel.white);
+  EXPECT_EQ(mti.gyro.bias_instability, paper.gyro.bias_instability);
+  EXPECT_EQ(mti.accel.bias_instability, paper.accel.bias_instability);
+  EXPECT_EQ(mti.gyro.bias_time, paper.gyro.bias_time);
+  EXPECT_EQ(mti.accel.bias_time, paper.accel.bias_time);
+  const NoiseSpec adis = load_shipped("include: imu/adis16465\n").imu.spec;
   const double degree = 3.14159265358979323846 / 180.0;
-  const Eigen::Vector3d gyro_psd = bias_psd(adis.gyro_bias_instability, adis.gyro_bias_time) / (degree * degree);
-  const Eigen::Vector3d accel_psd = bias_psd(adis.accel_bias_instability, adis.accel_bias_time);
+  const Eigen::Vector3d gyro_psd = bias_psd(adis.gyro.bias_instability, adis.gyro.bias_time) / (degree * degree);
+  const Eigen::Vector3d accel_psd = bias_psd(adis.accel.bias_instability, adis.accel.bias_time);
   constexpr double kPrintedDigits = 2e-3;  // relative: the figures are given to four digits or three
   EXPECT_NEAR(gyro_psd[0] / 1.532e-8, 1.0, kPrintedDigits);
   EXPECT_NEAR(gyro_psd[2] / 3.06e-9, 1.0, kPrintedDigits);

@@ -192,6 +192,18 @@ TEST(Discretize, TheCovarianceAfterASecondDoesNotDependOnTheImusRate) {
   }
 }
 
+TEST(Discretize, CovariancesOfSingleSamplesMeanFourTimesTheNoiseAtAQuarterOfTheRate) {
+  // FAST-LIO2's convention: the configuration holds Q_d, the same numbers whatever the rate.
+  const auto after_a_second = [](int rate) {
+    const SensorNoise sensor = from_discrete({Eigen::Vector3d::Constant(0.1), Eigen::Vector3d::Constant(1e-4)}, rate);
+    const ImuNoise n = make_imu_noise({sensor, sensor}, NoiseScale{}, BiasModel::kRandomWalk);
+    return covariance_after_a_second(Discretization::kDiscrete, rate, n);
+  };
+  const NavMatrix slow = after_a_second(100), fast = after_a_second(400);
+  constexpr double kFirstOrder = 0.03;  // of that form of Q at 100 Hz
+  for (int i = 0; i < kGravity; ++i) EXPECT_NEAR(slow(i, i) / fast(i, i) / 4.0, 1.0, kFirstOrder) << "entry " << i;
+}
+
 TEST(Discretize, TheCovarianceAfterASecondIsThatOfAMonteCarlo) {
   constexpr int kRuns = 2000, kRate = 200;
   constexpr double kSigmas = 4.0;  // of the chi-square statistics below

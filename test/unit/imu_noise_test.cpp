@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stdexcept>
+
+#include "allan_lio/imu/noise_report.h"
 
 // The figures are those of the paper where they follow from its formulas, with g = 9.80665 m/s^2.
 
@@ -19,14 +22,14 @@ constexpr double kMicroG = 9.80665e-6;                      // [m/s^2]
 Eigen::Vector3d same(double value) { return Eigen::Vector3d::Constant(value); }
 
 /// The MTi-600 of the paper's LiDAR experiments.
-AllanSpec mti600() {
-  AllanSpec spec;
-  spec.gyro_white = same(0.42 * kDegreePerRootHour);
-  spec.accel_white = same(60 * kMicroG);
-  spec.gyro_bias_instability = same(8 * kDegreePerHour);
-  spec.accel_bias_instability = same(10 * kMicroG);
-  spec.gyro_bias_time = same(31.7);
-  spec.accel_bias_time << 63.5, 63.5, 31.7;
+NoiseSpec mti600() {
+  NoiseSpec spec;
+  spec.gyro.white = same(0.42 * kDegreePerRootHour);
+  spec.accel.white = same(60 * kMicroG);
+  spec.gyro.bias_instability = same(8 * kDegreePerHour);
+  spec.accel.bias_instability = same(10 * kMicroG);
+  spec.gyro.bias_time = same(31.7);
+  spec.accel.bias_time << 63.5, 63.5, 31.7;
   return spec;
 }
 
@@ -125,12 +128,12 @@ TEST(ImuNoise, MultipliersEnterSquaredAndOnlyTheirOwnBlock) {
 }
 
 TEST(ImuNoise, SpectralDensityHoldsTheSquaredAmplitudesAxisByAxis) {
-  AllanSpec spec = mti600();
-  spec.gyro_white << 1, 2, 3;
-  spec.accel_white << 4, 5, 6;
-  spec.gyro_bias_instability << 7, 8, 9;
-  spec.accel_bias_instability << 10, 11, 12;
-  spec.gyro_bias_time = same(2.0);
+  NoiseSpec spec = mti600();
+  spec.gyro.white << 1, 2, 3;
+  spec.accel.white << 4, 5, 6;
+  spec.gyro.bias_instability << 7, 8, 9;
+  spec.accel.bias_instability << 10, 11, 12;
+  spec.gyro.bias_time = same(2.0);
   const Eigen::Matrix<double, 12, 1> s = make_imu_noise(spec, NoiseScale{}, BiasModel::kRandomWalk).spectral_density();
   for (int i = 0; i < 6; ++i) EXPECT_EQ(s[i], (i + 1.0) * (i + 1.0)) << "entry " << i;
   for (int i = 6; i < 9; ++i)
@@ -147,6 +150,71 @@ TEST(ImuNoise, ARandomWalkHasNoDecayAndAGaussMarkovBiasDecaysWithItsTime) {
   EXPECT_NEAR(markov.accel_bias_rate.x(), 1.0 / 63.5, 1e-15);
   EXPECT_NEAR(markov.accel_bias_rate.z(), 1.0 / 31.7, 1e-15);
   EXPECT_EQ(walk.spectral_density(), markov.spectral_density());
+}
+
+TEST(ImuNoise, TheFourWaysToTellABiasGiveOneDensity) {
+  constexpr double kRelative = 1e-14, kRate = 200.0;
+  const SensorNoise allan = mti600().accel;
+  const Eigen::Vector3d density = bias_psd(allan);
+  for (const BiasKind kind : {BiasKind::kAllan, BiasKind::kRandomWalk, BiasKind::kGaussMarkov}) {
+    const SensorNoise told = convert_bias(allan, kind, 0.0);
+    EXPECT_EQ(bias_kind(told), kind);
+    EXPECT_LT(bias_psd(told).cwiseQuotient(density).maxCoeff(), 1.0 + kRelative);
+    EXPECT_GT(bias_psd(told).cwiseQuotient(density).minCoeff(), 1.0 - kRelative);
+    EXPECT_EQ(told.white, allan.white);
+  }
+  const SensorNoise back = from_discrete(to_discrete(allan, kRate), kRate);
+  EXPECT_LT((bias_psd(back).cwiseQuotient(density).array() - 1.0).abs().maxCoeff(), kRelative);
+  EXPECT_LT((back.white.cwiseQuotient(allan.white).array() - 1.0).abs().maxCoeff(), kRelative);
+}
+
+TEST(ImuNoise, AGaussMarkovDeviationIsTwiceItsSquareOverItsTimeInTheDensity) {
+  SensorNoise sensor;
+  sensor.bias_sigma = same(3.0);
+  sensor.bias_time = same(9.0);
+  EXPECT_EQ(bias_psd(sensor), same(2.0));
+}
+
+TEST(ImuNoise, ARandomWalkNeedsATimeToBeToldAsAnyOtherKind) {
+  SensorNoise sensor;
+  sensor.bias_random_walk = same(1e-3);
+  EXPECT_THROW(convert_bias(sensor, BiasKind::kAllan, 0.0), std::invalid_argument);
+  const SensorNoise allan = convert_bias(sensor, BiasKind::kAllan, 100.0);
+  EXPECT_EQ(allan.bias_time, same(100.0));
+  EXPECT_NEAR(bias_psd(allan).y(), 1e-6, 1e-20);
+  NoiseSpec spec = mti600();
+  spec.gyro = sensor;
+  EXPECT_EQ(make_imu_noise(spec, NoiseScale{}, BiasModel::kGaussMarkov).gyro_bias_rate, same(0.0));
+}
+
+TEST(ImuNoise, TheImpliedMultipliersAreThoseThatWerePutIn) {
+  NoiseSpec louder = mti600();
+  louder.gyro.white *= 2;
+  louder.accel.white *= 3;
+  louder.gyro.bias_instability *= 5;
+  louder.accel = [&] {
+    SensorNoise accel = louder.accel;
+    accel.bias_instability *= 7;
+    return convert_bias(accel, BiasKind::kRandomWalk, 0.0);
+  }();
+  const NoiseScale scale = implied_scale(louder, mti600());
+  constexpr double kRelative = 1e-14;
+  EXPECT_NEAR(scale.k_g, 2, 2 * kRelative);
+  EXPECT_NEAR(scale.k_a, 3, 3 * kRelative);
+  EXPECT_NEAR(scale.k_gb, 5, 5 * kRelative);
+  EXPECT_NEAR(scale.k_ab, 7, 7 * kRelative);
+}
+
+TEST(NoiseReport, TellsTheFiguresInForceAndWhatFiltersWithCovariancesWouldTake) {
+  NoiseScale scale;
+  scale.k_gb = 2.0;
+  std::string text;
+  for (const std::string& line : describe_noise(mti600(), scale, 400.0)) text += line + "\n";
+  for (const char* part :
+       {"400 Hz", "N_g = 0.42 deg/sqrt(h) (k_g = 1)", "sigma_bg = 16 deg/h, T_bg = 31.7 s", "(k_gb = 2)",
+        "S = 1.493e-08 (rad/s)^2/Hz", "covariance 5.971e-06 (rad/s)^2", "T_ba = 63.5, 63.5, 31.7 s",
+        "N_a = 60 ug/sqrt(Hz)", "K = 3.156e-05 rad/s^2/sqrt(Hz)", "3.99e-05 m/s^3/sqrt(Hz)"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
 }
 
 }  // namespace

@@ -16,8 +16,9 @@ constexpr double kDegree = kPi / 180.0;
 constexpr double kGravity = 9.80665;
 constexpr double kRelativeRounding = 1e-15;
 
-const Dimension kAll[] = {Dimension::kGyroWhiteNoise, Dimension::kAccelWhiteNoise, Dimension::kAngularRate,
-                          Dimension::kAcceleration, Dimension::kTime};
+const Dimension kAll[] = {
+    Dimension::kGyroWhiteNoise, Dimension::kAccelWhiteNoise, Dimension::kAngularRate,     Dimension::kAcceleration,
+    Dimension::kTime,           Dimension::kGyroRandomWalk,  Dimension::kAccelRandomWalk, Dimension::kFrequency};
 
 void expect_factor(const std::string& text, Dimension dimension, double factor) {
   const UnitConversion conversion = convert_unit(text, dimension);
@@ -57,6 +58,45 @@ TEST(NoiseUnits, RatesAccelerationsAndTimesBecomeSi) {
   expect_factor("ms", Dimension::kTime, 1e-3);
   expect_factor("min", Dimension::kTime, 60.0);
   expect_factor("h", Dimension::kTime, 3600.0);
+}
+
+TEST(NoiseUnits, RandomWalksInEveryUsualUnitBecomeSi) {
+  expect_factor("rad/s^2/sqrt(Hz)", Dimension::kGyroRandomWalk, 1.0);
+  expect_factor("rad/s/sqrt(s)", Dimension::kGyroRandomWalk, 1.0);
+  expect_factor("deg/s/sqrt(h)", Dimension::kGyroRandomWalk, kDegree / 60.0);
+  expect_factor("deg/h/sqrt(h)", Dimension::kGyroRandomWalk, kDegree / 3600.0 / 60.0);
+  expect_factor("m/s^3/sqrt(Hz)", Dimension::kAccelRandomWalk, 1.0);
+  expect_factor("ug/sqrt(h)", Dimension::kAccelRandomWalk, 1e-6 * kGravity / 60.0);
+}
+
+TEST(NoiseUnits, TheUnitTellsDensityPsdAndFiguresOfSingleSamplesApart) {
+  constexpr double kRate = 400.0, kTiny = 1e-15;
+  const struct {
+    const char* unit;
+    Dimension dimension;
+    double value, density;
+    bool of_samples;
+  } cases[] = {
+      {"rad/s/sqrt(Hz)", Dimension::kGyroWhiteNoise, 0.02, 0.02, false},
+      {"(rad/s)^2/Hz", Dimension::kGyroWhiteNoise, 0.0004, 0.02, false},
+      {"rad/s", Dimension::kGyroWhiteNoise, 0.4, 0.02, true},
+      {"(rad/s)^2", Dimension::kGyroWhiteNoise, 0.16, 0.02, true},
+      {"mg", Dimension::kAccelWhiteNoise, 40.0, 0.04 * kGravity / 20.0, true},
+      {"(m/s^2)^2", Dimension::kAccelWhiteNoise, 0.16, 0.02, true},
+      {"(rad/s^2)^2", Dimension::kGyroRandomWalk, 1e-4, 0.01 / 20.0, true},
+      {"rad/s^2", Dimension::kGyroRandomWalk, 1e-2, 0.01 / 20.0, true},
+      {"(m/s^3)^2", Dimension::kAccelRandomWalk, 1e-4, 0.01 / 20.0, true},
+      {"(m/s^2)^2/s", Dimension::kAccelRandomWalk, 1e-4, 0.01, false},
+  };
+  for (const auto& c : cases) {
+    const NoiseForm form = convert_noise_unit(c.unit, c.dimension);
+    ASSERT_TRUE(form.ok()) << c.unit << ": " << form.error;
+    EXPECT_EQ(form.of_samples, c.of_samples) << c.unit;
+    EXPECT_NEAR(form.apply(c.value, kRate), c.density, kTiny) << c.unit;
+  }
+  EXPECT_FALSE(convert_noise_unit("rad/s^2", Dimension::kGyroWhiteNoise).ok())
+      << "a step of the bias is not white noise";
+  EXPECT_FALSE(convert_noise_unit("(rad/s)^2", Dimension::kAngularRate).ok()) << "only densities have other forms";
 }
 
 TEST(NoiseUnits, SpellingsOfOneUnitGiveOneFactor) {

@@ -16,16 +16,16 @@ constexpr double kRate = 200.0;  // [Hz]
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// The MTi-600 of the paper, with turn-on biases.
-AllanSpec test_spec() {
-  AllanSpec spec;
-  spec.gyro_white.setConstant(0.42 * kDegree / 60.0);
-  spec.accel_white.setConstant(60e-6 * kSimGravity);
-  spec.gyro_bias_instability.setConstant(8.0 * kDegree / 3600.0);
-  spec.accel_bias_instability.setConstant(10e-6 * kSimGravity);
-  spec.gyro_bias_time.setConstant(31.7);
-  spec.accel_bias_time = Eigen::Vector3d(63.5, 63.5, 31.7);
-  spec.gyro_turn_on_bias.setConstant(0.2 * kDegree);
-  spec.accel_turn_on_bias.setConstant(5e-3 * kSimGravity);
+NoiseSpec test_spec() {
+  NoiseSpec spec;
+  spec.gyro.white.setConstant(0.42 * kDegree / 60.0);
+  spec.accel.white.setConstant(60e-6 * kSimGravity);
+  spec.gyro.bias_instability.setConstant(8.0 * kDegree / 3600.0);
+  spec.accel.bias_instability.setConstant(10e-6 * kSimGravity);
+  spec.gyro.bias_time.setConstant(31.7);
+  spec.accel.bias_time = Eigen::Vector3d(63.5, 63.5, 31.7);
+  spec.gyro.turn_on_bias.setConstant(0.2 * kDegree);
+  spec.accel.turn_on_bias.setConstant(5e-3 * kSimGravity);
   return spec;
 }
 
@@ -42,22 +42,22 @@ struct MeanSquare {
 };
 
 TEST(SimImu, WhiteNoiseHasTheDensityOfTheSpecification) {
-  const AllanSpec spec = test_spec();
+  const NoiseSpec spec = test_spec();
   ImuErrorModel model(spec, {}, kRate, 7);
   MeanSquare gyro, accel;
   for (int k = 0; k < 50000; ++k) {
     const ImuErrorModel::Errors errors = model.next();
-    gyro.add(errors.gyro_white, spec.gyro_white * std::sqrt(kRate));
-    accel.add(errors.accel_white, spec.accel_white * std::sqrt(kRate));
+    gyro.add(errors.gyro_white, spec.gyro.white * std::sqrt(kRate));
+    accel.add(errors.accel_white, spec.accel.white * std::sqrt(kRate));
   }
   EXPECT_NEAR(gyro.value(), 1.0, gyro.tolerance());
   EXPECT_NEAR(accel.value(), 1.0, accel.tolerance());
 }
 
 TEST(SimImu, BiasesMoveByTheDrivingNoiseOfTheSpecification) {
-  const AllanSpec spec = test_spec();
-  const Eigen::Vector3d gyro_psd = bias_psd(spec.gyro_bias_instability, spec.gyro_bias_time);
-  const Eigen::Vector3d accel_psd = bias_psd(spec.accel_bias_instability, spec.accel_bias_time);
+  const NoiseSpec spec = test_spec();
+  const Eigen::Vector3d gyro_psd = bias_psd(spec.gyro.bias_instability, spec.gyro.bias_time);
+  const Eigen::Vector3d accel_psd = bias_psd(spec.accel.bias_instability, spec.accel.bias_time);
   ImuErrorModel model(spec, {}, kRate, 8);
   MeanSquare gyro, accel;
   ImuErrorModel::Errors last = model.next();
@@ -71,12 +71,29 @@ TEST(SimImu, BiasesMoveByTheDrivingNoiseOfTheSpecification) {
   EXPECT_NEAR(accel.value(), 1.0, accel.tolerance());
 }
 
+TEST(SimImu, ABiasToldAsARandomWalkStartsAtItsTurnOnValueAndMovesAsSpecified) {
+  NoiseSpec spec = test_spec();
+  spec.gyro = convert_bias(spec.gyro, BiasKind::kRandomWalk, 0.0);
+  ImuErrorConfig config;
+  config.turn_on = false;
+  ImuErrorModel model(spec, config, kRate, 8);
+  MeanSquare gyro;
+  ImuErrorModel::Errors last = model.next();
+  EXPECT_EQ(last.gyro_bias, Eigen::Vector3d(0, 0, 0));
+  for (int k = 0; k < 50000; ++k) {
+    const ImuErrorModel::Errors errors = model.next();
+    gyro.add(errors.gyro_bias - last.gyro_bias, spec.gyro.bias_random_walk / std::sqrt(kRate));
+    last = errors;
+  }
+  EXPECT_NEAR(gyro.value(), 1.0, gyro.tolerance());
+}
+
 TEST(SimImu, BiasesAreStationaryFromTheFirstSampleOn) {
-  const AllanSpec spec = test_spec();
+  const NoiseSpec spec = test_spec();
   ImuErrorConfig config;
   config.turn_on = false;
   const Eigen::Vector3d variance =
-      0.5 * bias_psd(spec.gyro_bias_instability, spec.gyro_bias_time).cwiseProduct(spec.gyro_bias_time);
+      0.5 * bias_psd(spec.gyro.bias_instability, spec.gyro.bias_time).cwiseProduct(spec.gyro.bias_time);
   MeanSquare first, later;
   double product = 0.0;
   constexpr double kSlowRate = 0.1;  // a sample every ten seconds [Hz]
@@ -92,11 +109,11 @@ TEST(SimImu, BiasesAreStationaryFromTheFirstSampleOn) {
   }
   EXPECT_NEAR(first.value(), 1.0, first.tolerance());
   EXPECT_NEAR(later.value(), 1.0, later.tolerance());
-  EXPECT_NEAR(product, std::exp(-kSteps / (kSlowRate * spec.gyro_bias_time.x())), later.tolerance());
+  EXPECT_NEAR(product, std::exp(-kSteps / (kSlowRate * spec.gyro.bias_time.x())), later.tolerance());
 }
 
 TEST(SimImu, TurnOnBiasesAreConstantAndSpreadAsSpecified) {
-  const AllanSpec spec = test_spec();
+  const NoiseSpec spec = test_spec();
   ImuErrorConfig config;
   config.bias_walk = false;
   MeanSquare spread;
@@ -104,13 +121,13 @@ TEST(SimImu, TurnOnBiasesAreConstantAndSpreadAsSpecified) {
     ImuErrorModel model(spec, config, kRate, seed);
     const Eigen::Vector3d first = model.next().accel_bias;
     ASSERT_EQ(model.next().accel_bias, first);
-    spread.add(first, spec.accel_turn_on_bias);
+    spread.add(first, spec.accel.turn_on_bias);
   }
   EXPECT_NEAR(spread.value(), 1.0, spread.tolerance());
 }
 
 TEST(SimImu, SwitchingOneErrorOffLeavesTheOthersAlone) {
-  const AllanSpec spec = test_spec();
+  const NoiseSpec spec = test_spec();
   ImuErrorConfig no_white;
   no_white.white = false;
   ImuErrorConfig no_walk;
@@ -144,8 +161,8 @@ TEST(SimImu, SamplesComeAtTheRateAndDependOnTheSeedAlone) {
 
 TEST(SimImu, RefusesARateOrABiasTimeThatIsNotPositive) {
   EXPECT_THROW(ImuErrorModel(test_spec(), {}, 0.0, 1), std::invalid_argument);
-  AllanSpec spec = test_spec();
-  spec.accel_bias_time.y() = 0.0;
+  NoiseSpec spec = test_spec();
+  spec.accel.bias_time.y() = 0.0;
   EXPECT_THROW(ImuErrorModel(spec, {}, kRate, 1), std::invalid_argument);
 }
 

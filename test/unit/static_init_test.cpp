@@ -16,16 +16,16 @@ namespace {
 constexpr double kG = 9.80665;
 const InitOptions kOptions{kG, 0.02, 0.15, 10.0, 1.0};
 
-AllanSpec spec() {
-  AllanSpec s;
-  s.gyro_white.setConstant(1.2e-4);
-  s.accel_white.setConstant(6e-4);
-  s.gyro_bias_instability.setConstant(4e-5);
-  s.accel_bias_instability.setConstant(1e-4);
-  s.gyro_bias_time.setConstant(30);
-  s.accel_bias_time.setConstant(60);
-  s.gyro_turn_on_bias.setConstant(3e-3);
-  s.accel_turn_on_bias.setConstant(0.05);
+NoiseSpec spec() {
+  NoiseSpec s;
+  s.gyro.white.setConstant(1.2e-4);
+  s.accel.white.setConstant(6e-4);
+  s.gyro.bias_instability.setConstant(4e-5);
+  s.accel.bias_instability.setConstant(1e-4);
+  s.gyro.bias_time.setConstant(30);
+  s.accel.bias_time.setConstant(60);
+  s.gyro.turn_on_bias.setConstant(3e-3);
+  s.accel.turn_on_bias.setConstant(0.05);
   return s;
 }
 
@@ -66,7 +66,7 @@ TEST(StaticInit, CovarianceOfBiasesAndTiltHoldsOverManyStarts) {
   constexpr int kRuns = 400;
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
-  const AllanSpec s = spec();
+  const NoiseSpec s = spec();
   const ImuNoise noise = make_imu_noise(s, {}, BiasModel::kRandomWalk);
   double gyro_sum = 0.0, accel_sum = 0.0;
   for (int run = 0; run < kRuns; ++run) {

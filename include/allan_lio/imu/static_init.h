@@ -25,7 +25,7 @@ struct InitialState {
 
 /// True if rate and specific force vary less over the record than the options allow, and their means are what a
 /// standing IMU with the specification's biases reads (within 10 sigma). A steady straight ride looks the same.
-bool is_still(const std::vector<ImuSample>& record, const AllanSpec& spec, const InitOptions& options);
+bool is_still(const std::vector<ImuSample>& record, const NoiseSpec& spec, const InitOptions& options);
 
 /// State and covariance from the IMU alone, at the record's first stamp. The world has its origin and heading at
 /// this pose and z against the measured specific force; so the pose is known exactly and what is not known of the
@@ -33,7 +33,7 @@ bool is_still(const std::vector<ImuSample>& record, const AllanSpec& spec, const
 /// leaves them: f = ba - R^T g + noise, var(noise) = N_a^2/length when still. The gyro's bias, when still, is its
 /// mean, var = N_g^2/length + S_bg length/3; else it is zero with the turn-on figure. The velocity is zero with
 /// `velocity_sigma`. The record holds 2 samples or more, accelerations in m/s^2.
-InitialState initialize(const std::vector<ImuSample>& record, bool still, const AllanSpec& spec, const ImuNoise& noise,
+InitialState initialize(const std::vector<ImuSample>& record, bool still, const NoiseSpec& spec, const ImuNoise& noise,
                         const InitOptions& options);
 
 /// Factor from the accelerometer's readings to m/s^2, told by their mean length: 1, or `gravity` for readings in g.

@@ -33,7 +33,7 @@ using ConfigSource = std::map<std::string, ConfigEntry>;
 LioConfig read_config(const ConfigSource& source);
 
 /// The defaults with an IMU noise of one's own, which has none.
-LioConfig default_config(const AllanSpec& spec);
+LioConfig default_config(const NoiseSpec& spec);
 
 /// Checks what one value cannot tell: min_range < max_range, a unit quaternion, frames and topics with names.
 /// Throws ConfigError.

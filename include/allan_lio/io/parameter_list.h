@@ -21,9 +21,12 @@ struct ParameterEntry {
   ParameterRange range;                    ///< of numbers, integers and quantities
   std::vector<std::string> choices;        ///< of a choice
   Dimension dimension = Dimension::kTime;  ///< of a quantity
+  bool optional = false;                   ///< a quantity that need not be given
+  bool given = true;                       ///< false: an optional one that is not
 };
 
-/// Every parameter in the order of the declaration with its value in `config`; quantities in SI.
+/// Every parameter in the order of the declaration with its value in `config`; quantities in SI, those that are not
+/// given too.
 std::vector<ParameterEntry> list_parameters(const LioConfig& config);
 
 /// "> 0", ">= 0", "9.7 to 9.9"; empty if there is no bound.

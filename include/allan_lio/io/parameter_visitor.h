@@ -17,6 +17,9 @@ enum class Dimension {
   kAngularRate,      ///< rad/s
   kAcceleration,     ///< m/s^2
   kTime,             ///< s
+  kGyroRandomWalk,   ///< rad/s^2/sqrt(Hz)
+  kAccelRandomWalk,  ///< m/s^3/sqrt(Hz)
+  kFrequency,        ///< Hz
 };
 
 /// What is said once about a parameter.
@@ -52,9 +55,15 @@ class ParameterVisitor {
   virtual void numbers(const ParameterInfo& info, Eigen::Ref<Eigen::VectorXd> field, const Eigen::VectorXd& fallback,
                        const ParameterRange& range) = 0;
   /// `{value: 0.42, unit: deg/sqrt(h)}`, value one number or three. `field` is SI. There is no default: an IMU's
-  /// noise must be given. A value must be finite and, by `range` (in SI), positive or not negative.
+  /// noise must be given. White noise and random walks may also be a PSD, or with `rate: 400 Hz` the standard
+  /// deviation or covariance of single samples (noise_units.h). A value must be finite and, by `range` (in SI),
+  /// positive or not negative.
   virtual void quantity(const ParameterInfo& info, Eigen::Vector3d& field, Dimension dimension,
                         const ParameterRange& range) = 0;
+  /// The same for one of several ways to say a thing: where the source is silent, `field` becomes `absent` on every
+  /// axis, and a field that holds `absent` is not printed.
+  virtual void optional_quantity(const ParameterInfo& info, Eigen::Vector3d& field, double absent, Dimension dimension,
+                                 const ParameterRange& range) = 0;
 
   /// choice() for an enum whose values count from 0 in the order of `names`.
   template <class Enum>

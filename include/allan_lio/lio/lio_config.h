@@ -25,7 +25,7 @@ struct LioConfig {
   } topics;
 
   struct Imu {
-    AllanSpec spec;
+    NoiseSpec spec;
     NoiseScale scale;
     BiasModel bias_model;
     Discretization discretization;

@@ -53,6 +53,9 @@ class LioSession {
   /// One line on the point times, empty as long as nothing is known.
   std::string verdict() const { return decoder_.verdict(); }
 
+  /// The IMU noise in force at the rate of its first samples (noise_report.h); empty before that.
+  const std::vector<std::string>& noise_report() const { return noise_report_; }
+
   /// Not empty once so many clouds in a row could not be decoded, and none could, that it is of no use to go on.
   std::string hopeless() const;
 
@@ -78,7 +81,9 @@ class LioSession {
   CloudDecoder decoder_;
   std::unique_ptr<RunWriter> writer_;
   OnResult on_result_;
-  std::vector<std::string> notes_, inputs_;
+  std::vector<std::string> notes_, inputs_, noise_report_;
+  const NoiseSpec noise_spec_;
+  const NoiseScale noise_scale_;
   std::string last_refusal_;
   std::uint64_t decoded_ = 0, undecodable_ = 0, imu_steps_ = 0;
   TimeNs newest_imu_ = 0;

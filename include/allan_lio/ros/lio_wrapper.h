@@ -41,6 +41,7 @@ class LioWrapper {
   std::unique_ptr<LioSession> session_;
   std::uint64_t imu_received_ = 0, scans_received_ = 0;
   std::string told_verdict_;
+  bool told_noise_ = false;
   std::uint64_t told_restarts_ = 0;
   bool finished_ = false;
   std::string trouble_;  ///< why the results are not complete

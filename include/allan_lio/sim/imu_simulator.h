@@ -24,12 +24,12 @@ struct ImuErrorConfig {
 
 /// The errors of one IMU at a fixed rate, sample by sample: white noise of standard deviation N sqrt(rate), and a
 /// bias that is a constant N(0, turn_on^2) plus a stationary first-order Gauss-Markov process of driving noise S_b
-/// and correlation time T_b, discretised exactly. White noise and biases have generators of their own: switching
-/// one off leaves the other's values alone.
+/// and correlation time T_b, discretised exactly; without a T_b, a random walk from zero. White noise and biases have
+/// generators of their own: switching one off leaves the other's values alone.
 class ImuErrorModel {
  public:
   /// Throws std::invalid_argument if rate [Hz] or a bias time is not positive.
-  ImuErrorModel(const AllanSpec& spec, const ImuErrorConfig& config, double rate, std::uint64_t seed);
+  ImuErrorModel(const NoiseSpec& spec, const ImuErrorConfig& config, double rate, std::uint64_t seed);
 
   struct Errors {
     Eigen::Vector3d gyro_bias, gyro_white;    ///< [rad/s]
@@ -41,7 +41,7 @@ class ImuErrorModel {
 
  private:
   struct Sensor {
-    Eigen::Vector3d white_sigma, turn_on, bias_sigma, decay, wandering;
+    Eigen::Vector3d white_sigma, turn_on, decay, step, wandering;
     Eigen::Vector3d next_bias(std::mt19937_64& generator);
   };
 
@@ -60,6 +60,6 @@ Eigen::Vector3d specific_force(const MotionState& state);
 
 /// Samples at start_stamp + k/rate for `duration` [s], both ends included.
 SimulatedImu simulate_imu(const SimTrajectory& trajectory, double duration, TimeNs start_stamp, double rate,
-                          const AllanSpec& spec, const ImuErrorConfig& config, std::uint64_t seed);
+                          const NoiseSpec& spec, const ImuErrorConfig& config, std::uint64_t seed);
 
 }  // namespace allan_lio
