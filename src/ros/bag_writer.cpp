@@ -67,14 +67,14 @@ void BagWriter::write_points(const SimSweep& sweep) {
   bag_->write("/points", to_ros_time(sweep.end), to_velodyne_cloud(sweep));
 }
 
-void BagWriter::write_imu(const ImuSample& sample) {
+void BagWriter::write_imu(const ImuSample& sample, const std::string& topic) {
   sensor_msgs::Imu message;
   message.header.stamp = to_ros_time(sample.stamp);
   message.header.frame_id = "imu";
   message.orientation_covariance[0] = -1.0;  // says that there is no orientation
   message.angular_velocity = to_vector(sample.gyro);
   message.linear_acceleration = to_vector(sample.accel);
-  bag_->write("/imu/data", message.header.stamp, message);
+  bag_->write(topic, message.header.stamp, message);
 }
 
 void BagWriter::write_odometry(TimeNs stamp, const MotionState& state) {

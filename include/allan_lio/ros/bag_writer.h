@@ -16,8 +16,8 @@ class Bag;
 namespace allan_lio {
 
 /// Writes simulated data as a ROS driver would: /points (sensor_msgs/PointCloud2 in Velodyne's XYZIRT layout, frame
-/// lidar), /imu/data (sensor_msgs/Imu, frame imu) and /ground_truth/odometry (nav_msgs/Odometry, world -> imu).
-/// The calls must come in the order of time.
+/// lidar), /imu/data or another topic (sensor_msgs/Imu, frame imu) and /ground_truth/odometry (nav_msgs/Odometry,
+/// world -> imu). The calls must come in the order of time.
 class BagWriter {
  public:
   /// Throws rosbag::BagException if the file cannot be made; so do the others if it cannot be written.
@@ -26,7 +26,7 @@ class BagWriter {
 
   /// Stamped with the sweep's begin, recorded at its end, when a driver would hand it out.
   void write_points(const SimSweep& sweep);
-  void write_imu(const ImuSample& sample);
+  void write_imu(const ImuSample& sample, const std::string& topic = "/imu/data");
   void write_odometry(TimeNs stamp, const MotionState& state);
 
   void close();

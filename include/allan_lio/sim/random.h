@@ -17,6 +17,9 @@ inline double normal_from_bits(std::uint64_t a, std::uint64_t b) {
   return std::sqrt(-2.0 * std::log(u)) * std::cos(kTwoPi * v);
 }
 
+/// A value from [0, 1).
+inline double uniform_from_bits(std::uint64_t a) { return static_cast<double>(a >> 11) / 9007199254740992.0; }
+
 /// Scrambles a counter: the finaliser of SplitMix64 (Steele, Lea and Flood 2014).
 inline std::uint64_t hash_bits(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ull;
@@ -24,5 +27,34 @@ inline std::uint64_t hash_bits(std::uint64_t x) {
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
   return x ^ (x >> 31);
 }
+
+/// Independent standard normal values: a counter through SplitMix64, two words to two values by Box and Muller.
+class NormalStream {
+ public:
+  /// Streams of one seed are independent of each other.
+  NormalStream(std::uint64_t seed, std::uint64_t stream) : state_(hash_bits(hash_bits(seed) ^ hash_bits(~stream))) {}
+
+  double next() {
+    has_second_ = !has_second_;
+    if (!has_second_) return second_;
+    constexpr double kTwoPi = 6.28318530717958647692;
+    constexpr double kInverse53 = 1.0 / 9007199254740992.0;  // 2^-53
+    const double u = (static_cast<double>(next_bits() >> 11) + 0.5) * kInverse53;
+    const double angle = kTwoPi * kInverse53 * static_cast<double>(next_bits() >> 11);
+    const double radius = std::sqrt(-2.0 * std::log(u));
+    second_ = radius * std::sin(angle);
+    return radius * std::cos(angle);
+  }
+
+ private:
+  std::uint64_t next_bits() {
+    constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ull;
+    return hash_bits(state_ += kGolden);
+  }
+
+  std::uint64_t state_;
+  double second_ = 0.0;
+  bool has_second_ = false;
+};
 
 }  // namespace allan_lio
