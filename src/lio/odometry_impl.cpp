@@ -17,8 +17,8 @@ constexpr double kSaturatedPart = 0.2;  // 1 sigma of a saturated reading, of th
 constexpr double kUnknownRate = 0.5;    // [rad/s] 1 sigma of the rotation rate in a gap that is not bridged
 
 std::unique_ptr<VoxelMap> make_map(const LioConfig& config) {
-  const VoxelMapOptions options{config.map.voxel_size, config.lidar.k_r * config.lidar.range_noise, config.map.radius,
-                                config.map.max_mb};
+  // k_r is a matter of the residuals: raised threefold it would make every wall too thick for a plane.
+  const VoxelMapOptions options{config.map.voxel_size, config.lidar.range_noise, config.map.radius, config.map.max_mb};
   return config.map.structure == MapStructure::kPlanes ? make_plane_voxel_map(options) : make_point_voxel_map(options);
 }
 
