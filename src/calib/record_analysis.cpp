@@ -17,11 +17,11 @@ namespace {
 
 constexpr int kPerDecade = 10;
 
-void fit_axis(const StaticRecord& record, int axis, FitMethod method, AxisReport& report) {
+void fit_axis(const StaticRecord& record, int axis, FitMethod method, double shortest, AxisReport& report) {
   const bool constant =
       std::all_of(report.curve.begin(), report.curve.end(), [](const AllanPoint& p) { return p.variance == 0.0; });
   if (constant && !report.curve.empty()) throw std::invalid_argument("it reads the same value all the time");
-  report.analysis = fit_allan_variance(report.curve, record.tau0());
+  report.analysis = fit_allan_variance(report.curve, record.tau0(), shortest);
   if (method == FitMethod::kLikelihood) {
     report.analysis.markov = fit_by_likelihood(record.series(axis), report.analysis.markov, report.analysis.shortest);
     report.analysis.markov_fits_better = true;
@@ -39,7 +39,7 @@ std::string axis_name(int axis) {
   return std::string(axis < 3 ? "gyro " : "accel ") + static_cast<char>('x' + axis % 3);
 }
 
-RecordAnalysis analyse_record(const StaticRecord& record, FitMethod method, int threads) {
+RecordAnalysis analyse_record(const StaticRecord& record, FitMethod method, int threads, double shortest) {
   RecordAnalysis analysis;
   analysis.method = method;
   analysis.tau0 = record.tau0();
@@ -53,7 +53,7 @@ RecordAnalysis analyse_record(const StaticRecord& record, FitMethod method, int 
   arena.execute([&] {
     tbb::parallel_for(0, StaticRecord::kAxes, [&](int axis) {
       try {
-        fit_axis(record, axis, method, analysis.axes[static_cast<std::size_t>(axis)]);
+        fit_axis(record, axis, method, shortest, analysis.axes[static_cast<std::size_t>(axis)]);
       } catch (const std::invalid_argument& error) {
         throw std::invalid_argument(axis_name(axis) + ": " + error.what());
       }

@@ -37,6 +37,7 @@ struct Arguments {
   ImuBagSource bag;
   std::string csv, time_unit, gyro_unit, accel_unit, out, table, plot, method = "ls", bias = "flat";
   double rate = 0.0;  // [Hz]; 0: by the stamps
+  double from = 0.0;  // [s] of the averaging times that are fitted; 0: found
   int threads = 0;    // 0: one a processor
 };
 
@@ -64,6 +65,9 @@ void declare(CLI::App& app, Arguments& a) {
                  "what the bias is written as: flat: the flat part of the curve; gauss_markov: the Gauss-Markov bias "
                  "of the fit; random_walk: K (default flat)")
       ->check(CLI::IsMember({"flat", "gauss_markov", "random_walk"}));
+  app.add_option("--from", a.from,
+                 "shortest averaging time that is fitted [s]; without it the fit begins where the model starts to hold")
+      ->check(CLI::PositiveNumber);
   app.add_option("--threads", a.threads, "threads; the result does not depend on them")->check(CLI::Range(1, 64));
 }
 
@@ -206,7 +210,7 @@ int run(const Arguments& a) {
   if (!motion.empty()) origin.remarks.push_back("WARNING: " + motion);
   std::cout << record_text(recording.record, origin) << std::flush;
 
-  const RecordAnalysis analysis = analyse_record(recording.record, kMethods.at(a.method), threads);
+  const RecordAnalysis analysis = analyse_record(recording.record, kMethods.at(a.method), threads, a.from);
   const NoiseYaml yaml = noise_yaml(analysis, origin, kBiases.at(a.bias));
   std::cout << fits_text(analysis);
   write_whole(a.out, yaml.text);

@@ -315,5 +315,12 @@ TEST_F(AllanVarianceToolTest, RealLogsAgreeWithTheirPublishedCurves) {
   }
 }
 
+TEST_F(AllanVarianceToolTest, TheFitBeginsWhereOneSaysAndRefusesWhatLeavesNothing) {
+  const Outcome from = run(csv() + " --from 0.5 --out " + file("from.yaml"));
+  EXPECT_NE(from.text.find("from 0.5 s on"), std::string::npos) << from.text;
+  EXPECT_EQ(run(csv() + " --from 1e6 --out " + file("from.yaml")).status, 2);
+  EXPECT_EQ(run(csv() + " --from -1 --out " + file("from.yaml")).status, 2);
+}
+
 }  // namespace
 }  // namespace allan_lio
