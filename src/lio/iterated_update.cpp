@@ -126,8 +126,11 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
       covariance = prior_covariance;
       return UpdateReport{};
     }
+    const PoseMatrix information = equations.information.topLeftCorner<6, 6>();
+    const PoseVector gradient = equations.gradient.head<6>();
     report.localizability =
         weigh_by_support(config.update.support_floor, lidar_pose_rows(iterate, estimate), equations);
+    if (i == 0) report.innovation = pose_innovation(information, gradient, pose_covariance, report.localizability);
     const UpdateStep solution = solve_step(iterate, prior, prior_covariance, equations);
     const LioState next = lio_plus(iterate, solution.step);
     const LioMatrix reset = transport(next, iterate);

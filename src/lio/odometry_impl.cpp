@@ -155,6 +155,7 @@ void Odometry::Impl::describe(const UpdateReport& report, LioResult& result) {
   result.iterations = report.iterations;
   result.residual_rms = report.residual_rms;
   result.localizability = report.localizability;
+  result.innovation = report.innovation;
 }
 
 LioResult Odometry::Impl::finish(ScanOutcome outcome, Scan scan, LioResult result) {

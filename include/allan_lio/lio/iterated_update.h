@@ -7,6 +7,7 @@
 #include "allan_lio/lio/lio_config.h"
 #include "allan_lio/lio/lio_result.h"
 #include "allan_lio/lio/point_to_plane.h"
+#include "allan_lio/lio/pose_innovation.h"
 
 namespace allan_lio {
 
@@ -25,6 +26,7 @@ struct UpdateReport {
   int inliers = 0;
   double residual_rms = 0.0;  ///< [m]
   Localizability localizability;
+  PoseInnovation innovation;  ///< at the prediction
 };
 
 /// One step of the iterated EKF: the state that minimises |x (-) prior|^2_P + cost of the residuals, linearised at

@@ -8,6 +8,7 @@
 
 #include "allan_lio/imu/nav_state.h"
 #include "allan_lio/lio/localizability.h"
+#include "allan_lio/lio/pose_innovation.h"
 #include "allan_lio/math/rigid_transform.h"
 
 namespace allan_lio {
@@ -48,6 +49,7 @@ struct LioResult {
   int iterations = 0;
   double residual_rms = 0.0;  ///< of the inliers, point to plane [m]
   Localizability localizability;
+  PoseInnovation innovation;  ///< of the scan against the prediction; 0 degrees of freedom without an update
 };
 
 /// What was read and what was dropped, since the start.
