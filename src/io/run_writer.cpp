@@ -14,6 +14,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "allan_lio/imu/observable_error.h"
 #include "allan_lio/io/config_source.h"
 #include "allan_lio/io/tum.h"
 
@@ -26,7 +27,11 @@ constexpr char kStatesHeader[] =
     "sigma_bg_x,sigma_bg_y,sigma_bg_z,sigma_ba_x,sigma_ba_y,sigma_ba_z,"
     "points,registered,inliers,iterations,residual_rms,outcome,"
     "support_0,support_1,support_2,support_3,support_4,support_5,"
-    "cov_p_xy,cov_p_xz,cov_p_yz";
+    "cov_p_xy,cov_p_xz,cov_p_yz,"
+    "cov_theta_xy,cov_theta_xz,cov_theta_yz,cov_bg_xy,cov_bg_xz,cov_bg_yz,cov_ba_xy,cov_ba_xz,cov_ba_yz,"
+    "cov_tilt_00,cov_tilt_01,cov_tilt_11,"
+    "cov_v_imu_xx,cov_v_imu_xy,cov_v_imu_xz,cov_v_imu_yy,cov_v_imu_yz,cov_v_imu_zz,"
+    "nis,nis_dof,innovation_0,innovation_1,innovation_2,innovation_3,innovation_4,innovation_5";
 
 /// A row that reads back to the same bits, whatever the process's locale.
 std::ostringstream exact_stream() {
@@ -70,9 +75,18 @@ std::string states_row(const LioResult& result) {
   out << ',' << result.points << ',' << result.registered << ',' << result.inliers << ',' << result.iterations << ','
       << result.residual_rms << ',' << outcome_name(result.outcome);
   put(result.localizability.support);
-  // With the sigmas above this is the whole covariance of position, so that any direction's can be had.
-  put(Eigen::Vector3d(result.covariance(kPosition, kPosition + 1), result.covariance(kPosition, kPosition + 2),
-                      result.covariance(kPosition + 1, kPosition + 2)));
+  // With the sigmas above these are the whole covariances of the blocks, so that any direction's can be had.
+  for (const int block : {kPosition, kTheta, kGyroBias, kAccelBias})
+    put(Eigen::Vector3d(result.covariance(block, block + 1), result.covariance(block, block + 2),
+                        result.covariance(block + 1, block + 2)));
+  const NavMatrix covariance = result.covariance.topLeftCorner<kNavDof, kNavDof>();
+  const Eigen::Matrix2d tilt = tilt_covariance(nav, covariance);
+  put(Eigen::Vector3d(tilt(0, 0), tilt(0, 1), tilt(1, 1)));
+  const Eigen::Matrix3d v = imu_velocity_covariance(nav, covariance);
+  put(Eigen::Vector3d(v(0, 0), v(0, 1), v(0, 2)));
+  put(Eigen::Vector3d(v(1, 1), v(1, 2), v(2, 2)));
+  out << ',' << result.innovation.nis << ',' << result.innovation.dof;  // 0 degrees of freedom: nothing was measured
+  put(result.innovation.whitened);
   return out.str();
 }
 

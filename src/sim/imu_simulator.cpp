@@ -3,6 +3,7 @@
 #include "allan_lio/sim/imu_simulator.h"
 
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "allan_lio/sim/random.h"
@@ -74,17 +75,26 @@ Eigen::Vector3d specific_force(const MotionState& state) {
   return state.T_world_imu.rotation.conjugate() * (state.acceleration_world + Eigen::Vector3d(0, 0, kSimGravity));
 }
 
-SimulatedImu simulate_imu(const SimTrajectory& trajectory, double duration, TimeNs start_stamp, double rate,
+SimulatedImu simulate_imu(const Motion& trajectory, double duration, TimeNs start_stamp, double rate,
                           const NoiseSpec& spec, const ImuErrorConfig& config, std::uint64_t seed) {
   ImuErrorModel model(spec, config, rate, seed);
+  std::optional<ImuDefectModel> defects;
+  if (config.defects.any()) defects.emplace(config.defects, rate, seed);
   SimulatedImu imu;
   const auto count = static_cast<std::int64_t>(duration * rate + 1e-6) + 1;
   for (std::int64_t k = 0; k < count; ++k) {
     const TimeNs since_start = to_ns(static_cast<double>(k) / rate);
     const MotionState state = trajectory.at(seconds_between(0, since_start));
     const ImuErrorModel::Errors errors = model.next();
-    imu.samples.push_back({start_stamp + since_start, state.rate_imu + errors.gyro_bias + errors.gyro_white,
-                           specific_force(state) + errors.accel_bias + errors.accel_white});
+    ImuDefectModel::Reading reading{state.rate_imu, specific_force(state)};
+    if (defects) reading = defects->feel(reading);
+    reading = {reading.gyro + errors.gyro_bias + errors.gyro_white,
+               reading.accel + errors.accel_bias + errors.accel_white};
+    if (defects) reading = defects->digitize(reading);
+    const std::optional<TimeNs> stamp = defects ? defects->stamp(since_start) : since_start;
+    if (!stamp) continue;
+    imu.samples.push_back({start_stamp + *stamp, reading.gyro, reading.accel});
+    imu.true_stamps.push_back(start_stamp + since_start);
     imu.gyro_bias.push_back(errors.gyro_bias);
     imu.accel_bias.push_back(errors.accel_bias);
   }

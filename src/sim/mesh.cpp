@@ -23,6 +23,12 @@ void TriangleMesh::add_triangle(const Vector3d& a, const Vector3d& b, const Vect
   triangles.push_back({first, first + 1, first + 2});
 }
 
+void TriangleMesh::append(const TriangleMesh& other, const RigidTransform& T_this_other) {
+  const auto first = static_cast<std::uint32_t>(vertices.size());
+  for (const Vector3d& vertex : other.vertices) vertices.push_back(T_this_other * vertex);
+  for (const auto& t : other.triangles) triangles.push_back({first + t[0], first + t[1], first + t[2]});
+}
+
 void TriangleMesh::add_quad(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
   const auto first = static_cast<std::uint32_t>(vertices.size());
   vertices.insert(vertices.end(), {a, b, c, d});

@@ -92,6 +92,7 @@ Scene make_rooms() {
   add_furniture(scene.mesh);
   scene.T_world_drawing.rotation = Eigen::AngleAxisd(0.3019, Vector3d::UnitZ());
   scene.T_world_drawing.translation = Vector3d(-3.713, 2.439, -0.367);
+  scene.record_centre = Vector3d(10.0, 7.5, 1.4);
   const double way[][2] = {
       {2.37, 1.52}, {5.2, 1.95}, {7.0, 2.0},  {8.9, 2.1},   {11.4, 2.5},  {11.7, 4.4},  {10.1, 5.3},  {10.0, 7.4},
       {15.5, 7.6},  {16.9, 7.2}, {17.0, 5.2}, {18.5, 3.4},  {17.3, 1.5},  {14.9, 2.2},  {15.2, 4.7},  {16.9, 5.3},

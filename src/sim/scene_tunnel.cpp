@@ -16,6 +16,7 @@ constexpr double kAxisHeight = 1.8;  // of the section's centre above the floor
 constexpr double kRibSpacing = 5.0, kRibWidth = 0.25, kRibHeight = 0.03;
 constexpr double kApron = 45.0, kApronHalfWidth = 18.0;  // the ground before either portal
 constexpr double kImuHeight = 1.2;
+constexpr double kRecordDepth = 30.0;  // where a recorded way is put: the near portal is a small opening there
 
 /// The place `side` to the left of the axis at arc length `s`; beyond the portals the axis runs on straight.
 Vector3d place(double s, double side, double z) {
@@ -43,14 +44,16 @@ void add_strip(TriangleMesh& mesh, const std::vector<Vector3d>& a, const std::ve
   for (std::size_t i = 0; i + 1 < a.size(); ++i) mesh.add_quad(a[i], a[i + 1], b[i + 1], b[i]);
 }
 
-void add_lining(TriangleMesh& mesh) {
+/// Without ribs the bend is cut into short pieces, so that no kinks take their place.
+void add_lining(TriangleMesh& mesh, bool ribs) {
   std::vector<Vector3d> last = outline(0.0, kTunnelRadius);
   const auto go_on = [&](double s, double radius) {
     const std::vector<Vector3d> next = outline(s, radius);
     add_strip(mesh, last, next);
     last = next;
   };
-  for (double s = kRibSpacing; s < kTunnelLength - 0.5 * kRibSpacing; s += kRibSpacing) {
+  for (int s = 1; !ribs && s < static_cast<int>(kTunnelLength); ++s) go_on(s, kTunnelRadius);
+  for (double s = kRibSpacing; ribs && s < kTunnelLength - 0.5 * kRibSpacing; s += kRibSpacing) {
     go_on(s - 0.5 * kRibWidth, kTunnelRadius);
     go_on(s - 0.5 * kRibWidth, kTunnelRadius - kRibHeight);
     go_on(s + 0.5 * kRibWidth, kTunnelRadius - kRibHeight);
@@ -105,17 +108,23 @@ TrajectoryPlan drive() {
   return plan;
 }
 
-}  // namespace
-
-Scene make_tunnel() {
+Scene make(bool ribs) {
   Scene scene;
-  add_lining(scene.mesh);
+  add_lining(scene.mesh, ribs);
   add_portal(scene.mesh, 0.0, -1.0);
   add_portal(scene.mesh, kTunnelLength, 1.0);
   scene.plan = drive();
+  scene.record_centre = place(kRecordDepth, 0.0, kAxisHeight);
+  scene.record_heading = kRecordDepth / kBendRadius;
   scene.T_world_drawing.rotation = Eigen::AngleAxisd(0.9233, Vector3d::UnitZ());
   scene.T_world_drawing.translation = Vector3d(-7.193, 4.711, 0.527);
   return scene;
 }
+
+}  // namespace
+
+Scene make_tunnel() { return make(true); }
+
+Scene make_tunnel_smooth() { return make(false); }
 
 }  // namespace allan_lio

@@ -7,57 +7,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "jet.h"
+#include "quintic_spline.h"
+
 namespace allan_lio {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kOrder = 6;  // control points that one segment of a quintic spline depends on
-
-/// A function of time with its first two derivatives.
-struct Jet {
-  double v = 0.0, d = 0.0, dd = 0.0;
-};
-
-Jet operator+(const Jet& a, const Jet& b) { return {a.v + b.v, a.d + b.d, a.dd + b.dd}; }
-Jet operator*(double s, const Jet& a) { return {s * a.v, s * a.d, s * a.dd}; }
-Jet operator*(const Jet& a, const Jet& b) {
-  return {a.v * b.v, a.d * b.v + a.v * b.d, a.dd * b.v + 2.0 * a.d * b.d + a.v * b.dd};
-}
-Jet sin(const Jet& a) {
-  const double s = std::sin(a.v), c = std::cos(a.v);
-  return {s, c * a.d, c * a.dd - s * a.d * a.d};
-}
-Jet cos(const Jet& a) {
-  const double s = std::sin(a.v), c = std::cos(a.v);
-  return {c, -s * a.d, -s * a.dd - c * a.d * a.d};
-}
-
-/// Weights of the six control points at `u` in [0, 1] of a segment, with their derivatives by u.
-struct Basis {
-  double value[kOrder], first[kOrder], second[kOrder];
-};
-
-/// The uniform quintic B-spline's polynomials, times 120, by rising powers of u.
-constexpr double kPolynomial[kOrder][kOrder] = {{1, -5, 10, -10, 5, -1},  {26, -50, 20, 20, -20, 5},
-                                                {66, 0, -60, 0, 30, -10}, {26, 50, 20, -20, -20, 10},
-                                                {1, 5, 10, 10, 5, -5},    {0, 0, 0, 0, 0, 1}};
-
-Basis quintic_basis(double u) {
-  Basis basis;
-  for (int i = 0; i < kOrder; ++i) {
-    double value = 0.0, first = 0.0, half_second = 0.0;
-    for (int power = kOrder - 1; power >= 0; --power) {  // Horner's scheme for a polynomial and its derivatives
-      half_second = half_second * u + first;
-      first = first * u + value;
-      value = value * u + kPolynomial[i][power];
-    }
-    basis.value[i] = value / 120.0;
-    basis.first[i] = first / 120.0;
-    basis.second[i] = 2.0 * half_second / 120.0;
-  }
-  return basis;
-}
-
 void require(bool good, const std::string& sentence) {
   if (!good) throw std::invalid_argument("trajectory: " + sentence);
 }
@@ -74,6 +30,10 @@ void check(const TrajectoryPlan& plan) {
   require(plan.knot_interval > 0, "knot_interval must be positive");
   require(plan.standstill_begin >= 0 && plan.standstill_end >= 0, "a standstill cannot be negative");
   require(plan.gait.full_speed > 0, "gait.full_speed must be positive");
+  require(std::isfinite(plan.lean), "lean must be a number");
+  for (const Wobble& wobble : plan.wobbles)
+    require(wobble.frequency > 0 && std::isfinite(wobble.amplitude) && std::isfinite(wobble.phase),
+            "a wobble needs a positive frequency and a finite amplitude and phase");
 }
 
 /// The waypoints' polyline by arc length.
@@ -117,7 +77,7 @@ class Polyline {
 /// the whole of the standstill; one more, because speed and heading look at the neighbours.
 std::vector<double> arc_at_knots(const Polyline& line, const TrajectoryPlan& plan) {
   const double h = plan.knot_interval;
-  const auto resting = [h](double seconds) { return kOrder + static_cast<int>(std::ceil(seconds / h - 1e-9)); };
+  const auto resting = [h](double seconds) { return kSplineOrder + static_cast<int>(std::ceil(seconds / h - 1e-9)); };
   std::vector<double> arcs(resting(plan.standstill_begin), 0.0);
   double speed = 0.0;
   while (arcs.back() < line.length()) {
@@ -134,9 +94,66 @@ std::vector<double> arc_at_knots(const Polyline& line, const TrajectoryPlan& pla
 /// `angle` moved by whole turns to within half a turn of `near`.
 double unwrap(double angle, double near) { return angle - 2.0 * kPi * std::round((angle - near) / (2.0 * kPi)); }
 
+/// Position [m] and angles [rad], rotation Rz(yaw) Ry(pitch) Rx(roll).
+struct Pose {
+  Jet x, y, z, roll, pitch, yaw;
+};
+
+/// Sinusoids that swell with the gait's weight.
+struct Swing {
+  double t;
+  Jet weight;
+
+  Jet operator()(double rate, double phase, double amplitude) const {
+    const double omega = 2.0 * kPi * rate;
+    return amplitude * (weight * sin(Jet{omega * t + phase, omega, 0.0}));
+  }
+};
+
+void add_gait(const Gait& gait, const Swing& swing, const Jet& heading, Pose& pose) {
+  const double step = gait.step_rate, stride = 0.5 * gait.step_rate;
+  const Jet lateral = swing(stride, 0.0, gait.lateral);
+  pose.x = pose.x + -1.0 * (lateral * sin(heading));
+  pose.y = pose.y + lateral * cos(heading);
+  pose.z = pose.z + swing(step, 0.7, gait.vertical);
+  pose.yaw = heading + swing(stride, 2.1, gait.yaw);
+  pose.pitch = swing(step, 1.3, gait.pitch);
+  pose.roll = swing(stride, 0.4, gait.roll);
+}
+
+void add_wobbles(const std::vector<Wobble>& wobbles, const Swing& swing, const Jet& heading, Pose& pose) {
+  Jet shake[6];  // by Wobble::Axis: displacements [m] and angles [rad]
+  for (const Wobble& wobble : wobbles) {
+    const double omega = 2.0 * kPi * wobble.frequency;
+    const double scale = wobble.axis < Wobble::kRoll ? 1.0 / (omega * omega) : 1.0 / omega;
+    shake[wobble.axis] = shake[wobble.axis] + swing(wobble.frequency, wobble.phase, scale * wobble.amplitude);
+  }
+  pose.x = pose.x + shake[Wobble::kForward] * cos(heading) + -1.0 * (shake[Wobble::kLeft] * sin(heading));
+  pose.y = pose.y + shake[Wobble::kForward] * sin(heading) + shake[Wobble::kLeft] * cos(heading);
+  pose.z = pose.z + shake[Wobble::kUp];
+  pose.roll = pose.roll + shake[Wobble::kRoll];
+  pose.pitch = pose.pitch + shake[Wobble::kPitch];
+  pose.yaw = pose.yaw + shake[Wobble::kYaw];
+}
+
+MotionState state_of(const Pose& pose) {
+  const Jet &roll = pose.roll, &pitch = pose.pitch, &yaw = pose.yaw;
+  MotionState state;
+  state.T_world_imu.translation << pose.x.v, pose.y.v, pose.z.v;
+  state.velocity_world << pose.x.d, pose.y.d, pose.z.d;
+  state.acceleration_world << pose.x.dd, pose.y.dd, pose.z.dd;
+  state.T_world_imu.rotation = Eigen::AngleAxisd(yaw.v, Eigen::Vector3d::UnitZ()) *
+                               Eigen::AngleAxisd(pitch.v, Eigen::Vector3d::UnitY()) *
+                               Eigen::AngleAxisd(roll.v, Eigen::Vector3d::UnitX());
+  const double sr = std::sin(roll.v), cr = std::cos(roll.v), sp = std::sin(pitch.v), cp = std::cos(pitch.v);
+  state.rate_imu << roll.d - yaw.d * sp, pitch.d * cr + yaw.d * cp * sr, -pitch.d * sr + yaw.d * cp * cr;
+  return state;
+}
+
 }  // namespace
 
-SimTrajectory::SimTrajectory(const TrajectoryPlan& plan) : knot_interval_(plan.knot_interval), gait_(plan.gait) {
+SimTrajectory::SimTrajectory(const TrajectoryPlan& plan)
+    : knot_interval_(plan.knot_interval), gait_(plan.gait), lean_(plan.lean), wobbles_(plan.wobbles) {
   check(plan);
   const Polyline line(plan.waypoints);
   const std::vector<double> arcs = arc_at_knots(line, plan);
@@ -153,43 +170,35 @@ SimTrajectory::SimTrajectory(const TrajectoryPlan& plan) : knot_interval_(plan.k
   }
 }
 
-double SimTrajectory::duration() const { return static_cast<double>(control_.size() - (kOrder - 1)) * knot_interval_; }
+double SimTrajectory::duration() const {
+  return static_cast<double>(control_.size() - (kSplineOrder - 1)) * knot_interval_;
+}
 
 MotionState SimTrajectory::at(double t) const {
   const double knots = std::max(0.0, std::min(t, duration())) / knot_interval_;
-  const std::size_t segment = std::min(static_cast<std::size_t>(knots), control_.size() - kOrder);
-  const Basis basis = quintic_basis(knots - static_cast<double>(segment));
-  Control value = Control::Zero(), first = Control::Zero(), second = Control::Zero();
-  for (int i = 0; i < kOrder; ++i) {
+  const std::size_t segment = std::min(static_cast<std::size_t>(knots), control_.size() - kSplineOrder);
+  const QuinticBasis basis = quintic_basis(knots - static_cast<double>(segment));
+  Control value = Control::Zero(), first = Control::Zero(), second = Control::Zero(), third = Control::Zero();
+  for (int i = 0; i < kSplineOrder; ++i) {
     value += basis.value[i] * control_[segment + i];
     first += basis.first[i] * control_[segment + i];
     second += basis.second[i] * control_[segment + i];
+    third += basis.third[i] * control_[segment + i];
   }
-  const auto channel = [&](Channel c) {
-    return Jet{value[c], first[c] / knot_interval_, second[c] / (knot_interval_ * knot_interval_)};
-  };
-  const auto swing = [&](double rate, double phase, double amplitude) {
-    const double omega = 2.0 * kPi * rate;
-    return amplitude * (channel(kWeight) * sin(Jet{omega * t + phase, omega, 0.0}));
-  };
-  const double step = gait_.step_rate, stride = 0.5 * gait_.step_rate;
-  const Jet lateral = swing(stride, 0.0, gait_.lateral);
-  const Jet x = channel(kX) + -1.0 * (lateral * sin(channel(kHeading)));
-  const Jet y = channel(kY) + lateral * cos(channel(kHeading));
-  const Jet z = channel(kZ) + swing(step, 0.7, gait_.vertical);
-  const Jet yaw = channel(kHeading) + swing(stride, 2.1, gait_.yaw);
-  const Jet pitch = swing(step, 1.3, gait_.pitch), roll = swing(stride, 0.4, gait_.roll);
-
-  MotionState state;
-  state.T_world_imu.translation << x.v, y.v, z.v;
-  state.velocity_world << x.d, y.d, z.d;
-  state.acceleration_world << x.dd, y.dd, z.dd;
-  state.T_world_imu.rotation = Eigen::AngleAxisd(yaw.v, Eigen::Vector3d::UnitZ()) *
-                               Eigen::AngleAxisd(pitch.v, Eigen::Vector3d::UnitY()) *
-                               Eigen::AngleAxisd(roll.v, Eigen::Vector3d::UnitX());
-  const double sr = std::sin(roll.v), cr = std::cos(roll.v), sp = std::sin(pitch.v), cp = std::cos(pitch.v);
-  state.rate_imu << roll.d - yaw.d * sp, pitch.d * cr + yaw.d * cp * sr, -pitch.d * sr + yaw.d * cp * cr;
-  return state;
+  const double h = knot_interval_, h2 = h * h;
+  const auto channel = [&](Channel c) { return Jet{value[c], first[c] / h, second[c] / h2}; };
+  const Jet heading = channel(kHeading);
+  Pose pose{channel(kX), channel(kY), channel(kZ), {}, {}, heading};
+  const Swing swing{t, channel(kWeight)};
+  add_gait(gait_, swing, heading, pose);
+  if (!wobbles_.empty()) add_wobbles(wobbles_, swing, heading, pose);
+  if (lean_ != 0.0) {
+    // Angles need one derivative only, so the jerk is enough.
+    const Jet ax{second[kX] / h2, third[kX] / (h2 * h), 0.0}, ay{second[kY] / h2, third[kY] / (h2 * h), 0.0};
+    pose.pitch = pose.pitch + lean_ * (ax * cos(heading) + ay * sin(heading));
+    pose.roll = pose.roll + lean_ * (ax * sin(heading) + -1.0 * (ay * cos(heading)));
+  }
+  return state_of(pose);
 }
 
 }  // namespace allan_lio

@@ -8,11 +8,19 @@
 #include <limits>
 #include <locale>
 #include <map>
+#include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "allan_lio/eval/consistency_report.h"
 #include "allan_lio/eval/trajectory_error.h"
+#include "allan_lio/io/config_source.h"
+#include "allan_lio/io/states_csv.h"
 #include "allan_lio/io/tum.h"
+#include "allan_lio/io/yaml_source.h"
+#include "allan_lio/ros/config_dirs.h"
 
 namespace {
 
@@ -44,7 +52,18 @@ std::string json_relative(const RelativeError& e) {
          ", \"rotation_rmse_deg\": " + json_number(valid * kDegPerRad * e.rotation_rmse) + "}";
 }
 
-void print_json(const std::string& align, const TrajectoryError& e) {
+struct Options {
+  std::string reference, estimate, align = "se3", errors;
+  bool json = false;
+  double max_gap = 0.5;  // [s]
+  std::string states, truth_biases, axis = "path", series;
+  std::vector<std::string> over_runs;
+  std::string bound_imu;
+  double bound_position_sigma = 0.002;  // [m]
+};
+
+/// `consistency`: a JSON object, or empty.
+void print_json(const std::string& align, const TrajectoryError& e, const std::string& consistency) {
   const ErrorStatistics &t = e.translation, &r = e.rotation;
   std::cout << "{\n  \"align\": \"" << align << "\",\n  \"matched\": " << e.matched
             << ",\n  \"unmatched\": " << e.unmatched << ",\n  \"duration\": " << json_number(e.duration)
@@ -55,7 +74,8 @@ void print_json(const std::string& align, const TrajectoryError& e) {
             << ", \"rotation_max_deg\": " << json_number(kDegPerRad * r.max)
             << "},\n  \"rpe_1s\": " << json_relative(e.over_1s) << ",\n  \"rpe_10m\": " << json_relative(e.over_10m)
             << ",\n  \"end_drift_m\": " << json_number(e.end_drift)
-            << ",\n  \"end_drift_percent\": " << json_number(e.end_drift_percent) << "\n}\n";
+            << ",\n  \"end_drift_percent\": " << json_number(e.end_drift_percent)
+            << (consistency.empty() ? "" : ",\n  \"consistency\": ") << consistency << "\n}\n";
 }
 
 void print_relative(const char* name, const RelativeError& e) {
@@ -96,33 +116,106 @@ void write_errors(const std::string& path, const TrajectoryError& e) {
   if (!out) throw std::runtime_error(path + ": cannot be written");
 }
 
+/// `imu`: a name in config/imu or a file. The bound is for the IMU's x axis, which points along the way.
+std::optional<allan_lio::BoundOptions> load_bound(const Options& options) {
+  if (options.bound_imu.empty()) return std::nullopt;
+  std::vector<std::string> dirs;
+  for (const std::string& dir : allan_lio::config_search_dirs()) dirs.insert(dirs.end(), {dir + "/imu", dir});
+  const auto config = allan_lio::read_config(allan_lio::load_yaml(options.bound_imu, dirs));
+  const allan_lio::ImuNoise noise = allan_lio::make_imu_noise(config.imu.spec, {}, allan_lio::BiasModel::kRandomWalk);
+  allan_lio::BoundOptions bound;
+  bound.noise = {noise.accel_psd.x(), noise.accel_bias_psd.x()};
+  bound.position_sigma = options.bound_position_sigma;
+  return bound;
+}
+
+void judge_trajectory(const Options& o) {
+  if (o.reference.empty()) throw std::invalid_argument("--reference is required");
+  if (o.estimate.empty()) throw std::invalid_argument("--estimate is required");
+  const allan_lio::Trajectory reference = allan_lio::read_tum(o.reference);
+  const TrajectoryError result =
+      allan_lio::evaluate_trajectory(reference, allan_lio::read_tum(o.estimate), kAlignments.at(o.align), o.max_gap);
+  if (!o.errors.empty()) write_errors(o.errors, result);
+  std::string consistency;
+  if (!o.states.empty()) {
+    std::vector<allan_lio::TruthState> truth;
+    if (!o.truth_biases.empty()) truth = allan_lio::read_truth_csv(o.truth_biases);
+    const allan_lio::ConsistencySeries series = allan_lio::consistency_series(
+        reference, truth, allan_lio::read_states_csv(o.states), {allan_lio::parse_axis(o.axis), o.max_gap});
+    if (!o.series.empty()) allan_lio::write_consistency_csv(o.series, series);
+    const allan_lio::ConsistencySummary summary = allan_lio::summarize_consistency({series});
+    const auto bound = load_bound(o);
+    consistency = o.json ? allan_lio::consistency_json(summary, bound) : allan_lio::consistency_table(summary, bound);
+  }
+  if (o.json) return print_json(o.align, result, consistency);
+  print_table(o.align, result);
+  std::fputs(consistency.c_str(), stdout);
+}
+
+void judge_runs(const Options& o) {
+  std::vector<allan_lio::ConsistencySeries> runs;
+  for (const std::string& path : o.over_runs) runs.push_back(allan_lio::read_consistency_csv(path));
+  const allan_lio::ConsistencySummary summary = allan_lio::summarize_consistency(runs);
+  if (o.json) {
+    std::cout << allan_lio::consistency_json(summary, std::nullopt) << '\n';
+  } else {
+    std::cout << allan_lio::consistency_table(summary, std::nullopt);
+  }
+}
+
+void declare(CLI::App& app, Options& o) {
+  CLI::Option* const reference = app.add_option("--reference", o.reference, "TUM file with the truth");
+  CLI::Option* const estimate = app.add_option("--estimate", o.estimate, "TUM file to be judged");
+  app.add_option("--align", o.align,
+                 "se3: best rotation and translation; yaw: best heading and translation; start: first poses coincide; "
+                 "none (default se3)")
+      ->check(CLI::IsMember({"se3", "yaw", "start", "none"}));
+  app.add_option("--max-gap", o.max_gap, "longest gap of the reference to interpolate over [s] (default 0.5)")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--json", o.json, "print JSON instead of a table");
+  app.add_option("--errors", o.errors, "also write the error at every matched pose to this CSV file");
+
+  CLI::Option* const states = app.add_option(
+      "--states", o.states, "the run's states.csv: also report whether its covariance is honest (NEES, NIS, 3 sigma)");
+  app.add_option("--truth-biases", o.truth_biases,
+                 "CSV with velocity and biases of the truth, as simulate_bag writes F_truth.csv; without it the "
+                 "velocity is differentiated and the biases are not judged")
+      ->needs(states);
+  app.add_option("--axis", o.axis,
+                 "along what the axial error is taken: path (where the true path extends most), motion, weakest (where "
+                 "the filter is least sure), or a direction in the truth's world, x,y,z (default path)")
+      ->needs(states);
+  app.add_option("--series", o.series,
+                 "write errors, sigmas and NEES of every scan to this CSV (scripts/plot_consistency)")
+      ->needs(states);
+  app.add_option("--bound", o.bound_imu,
+                 "IMU (a name in config/imu or a file): print beside every stretch without support what its noise "
+                 "allows from portal to portal, by dead reckoning with known tilt")
+      ->needs(states);
+  app.add_option("--bound-position-sigma", o.bound_position_sigma,
+                 "1 sigma of a scan's position along the axis before such a stretch [m] (default 0.002)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--over-runs", o.over_runs,
+                 "instead of the above: series files of one sequence with different seeds; NEES averaged over them")
+      ->excludes(reference)
+      ->excludes(estimate)
+      ->excludes(states);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app(
       "Compares an estimated trajectory with a reference, both as TUM files (t x y z qx qy qz qw).\n"
       "The reference is interpolated at the stamps of the estimate. End drift is the position error of the last pose\n"
-      "as seen from the first, whatever the alignment.");
-  std::string reference, estimate, align = "se3", errors;
-  bool json = false;
-  double max_gap = 0.5;
-  app.add_option("--reference", reference, "TUM file with the truth")->required();
-  app.add_option("--estimate", estimate, "TUM file to be judged")->required();
-  app.add_option("--align", align,
-                 "se3: best rotation and translation; yaw: best heading and translation; start: first poses coincide; "
-                 "none (default se3)")
-      ->check(CLI::IsMember({"se3", "yaw", "start", "none"}));
-  app.add_option("--max-gap", max_gap, "longest gap of the reference to interpolate over [s] (default 0.5)")
-      ->check(CLI::PositiveNumber);
-  app.add_flag("--json", json, "print JSON instead of a table");
-  app.add_option("--errors", errors, "also write the error at every matched pose to this CSV file");
+      "as seen from the first, whatever the alignment. With --states it also says whether the run's covariance is\n"
+      "honest; the first poses coincide there in all six degrees of freedom, and the truth's world must be level.");
+  Options options;
+  declare(app, options);
   CLI11_PARSE(app, argc, argv);
 
   try {
-    const TrajectoryError result = allan_lio::evaluate_trajectory(
-        allan_lio::read_tum(reference), allan_lio::read_tum(estimate), kAlignments.at(align), max_gap);
-    if (!errors.empty()) write_errors(errors, result);
-    json ? print_json(align, result) : print_table(align, result);
+    options.over_runs.empty() ? judge_trajectory(options) : judge_runs(options);
   } catch (const std::exception& e) {
     std::cerr << "evaluate_trajectory: " << e.what() << '\n';
     return 1;

@@ -99,10 +99,65 @@ TEST_F(EvaluateTrajectoryTest, BadInputEndsWithASentenceAndAStatus) {
   }
 }
 
+/// states.csv of the run's tail beyond the pose: everything known to 0.1, all correlations zero.
+void write_states(const std::string& path, const Trajectory& estimate) {
+  std::ofstream out(path);
+  out << "t,p_x,p_y,p_z,q_x,q_y,q_z,q_w,v_x,v_y,v_z,bg_x,bg_y,bg_z,ba_x,ba_y,ba_z,g_x,g_y,g_z,"
+         "sigma_theta_x,sigma_theta_y,sigma_theta_z,sigma_p_x,sigma_p_y,sigma_p_z,sigma_bg_x,sigma_bg_y,sigma_bg_z,"
+         "sigma_ba_x,sigma_ba_y,sigma_ba_z,support_0,cov_p_xy,cov_p_xz,cov_p_yz,cov_theta_xy,cov_theta_xz,cov_theta_yz,"
+         "cov_bg_xy,cov_bg_xz,cov_bg_yz,cov_ba_xy,cov_ba_xz,cov_ba_yz,cov_tilt_00,cov_tilt_01,cov_tilt_11,"
+         "cov_v_imu_xx,cov_v_imu_xy,cov_v_imu_xz,cov_v_imu_yy,cov_v_imu_yz,cov_v_imu_zz\n";
+  for (const StampedPose& pose : estimate) {
+    const Eigen::Vector3d& p = pose.pose.translation;
+    out << format_seconds(pose.stamp) << ',' << p.x() << ',' << p.y() << ',' << p.z()
+        << ",0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,-9.8,.1,.1,.1,.1,.1,.1,.1,.1,.1,.1,.1,.1,1,0,0,0,0,0,0,0,0,0,0,0,0,"
+           "0.01,0,0.01,100,0,0,100,0,100\n";
+  }
+}
+
+TEST_F(EvaluateTrajectoryTest, ConsistencyStandsBesideTheErrorsAndChangesNoneOfThem) {
+  constexpr double kRounding = 1e-6;
+  write_states(file("states.csv"), read_tum(file("estimate.tum")));
+  const std::string states = " --align none --states " + file("states.csv") + " --axis 1,0,0";
+  const Outcome plain = evaluate(both() + " --align none"), more = evaluate(both() + states);
+  ASSERT_EQ(more.status, 0) << more.text;
+  EXPECT_EQ(more.text.rfind(plain.text, 0), 0U) << more.text;
+  EXPECT_NE(more.text.find("holds the error in 100.0 % of the scans"), std::string::npos) << more.text;
+
+  const Outcome outcome = evaluate(both() + states + " --json --series " + file("series.csv"));
+  const YAML::Node json = YAML::Load(outcome.text)["consistency"];
+  EXPECT_EQ(json["times"].as<int>(), 101);
+  EXPECT_NEAR(json["three_sigma_share"].as<double>(), 1.0, kRounding);
+  EXPECT_NEAR(json["nees_per_dof"]["along"]["mean"].as<double>(), 0.0, kRounding) << "the constant 2 m is no error";
+  EXPECT_NEAR(json["nees_per_dof"]["velocity"]["mean"].as<double>(), 100.0 / 100.0 / 3.0, 0.01) << "10 m/s of 10";
+  EXPECT_TRUE(json["nees_per_dof"]["gyro_bias"].IsNull());
+  EXPECT_TRUE(json["nees_per_dof"]["innovation"].IsNull());
+
+  const std::string run = " --over-runs " + file("series.csv");
+  const Outcome over = evaluate(run + run + " --json");
+  ASSERT_EQ(over.status, 0) << over.text;
+  EXPECT_EQ(YAML::Load(over.text)["runs"].as<int>(), 2);
+  EXPECT_NEAR(YAML::Load(over.text)["nees_per_dof"]["velocity"]["mean"].as<double>(),
+              json["nees_per_dof"]["velocity"]["mean"].as<double>(), 1e-4);
+  const Outcome plotted = run_command("/usr/bin/python3 " ALLAN_LIO_SOURCE_DIR "/scripts/plot_consistency --series " +
+                                      file("series.csv") + " --out " + file("plots"));
+  EXPECT_EQ(plotted.status, 0) << plotted.text;
+  for (const char* name : {"plots/consistency_errors.png", "plots/consistency_nees.png"})
+    EXPECT_EQ(contents_of(file(name)).substr(1, 3), "PNG");
+}
+
+TEST_F(EvaluateTrajectoryTest, StatesThatLackAColumnAreToldByName) {
+  std::ofstream(file("old.csv")) << "t,p_x\n1600000000.0,1\n";
+  const Outcome outcome = evaluate(both() + " --states " + file("old.csv"));
+  EXPECT_NE(outcome.status, 0);
+  EXPECT_NE(outcome.text.find("old.csv: has no column p_y"), std::string::npos) << outcome.text;
+}
+
 TEST_F(EvaluateTrajectoryTest, HelpNamesEveryOption) {
   const Outcome outcome = evaluate("--help");
   EXPECT_EQ(outcome.status, 0);
-  for (const char* option : {"--reference", "--estimate", "--align", "--json", "--errors", "--max-gap"})
+  for (const char* option : {"--reference", "--estimate", "--align", "--json", "--errors", "--max-gap", "--states",
+                             "--truth-biases", "--axis", "--series", "--bound", "--over-runs"})
     EXPECT_NE(outcome.text.find(option), std::string::npos) << option;
 }
 

@@ -488,7 +488,7 @@ TEST(ShippedConfig, EveryImuFileGivesACompleteNoise) {
 }
 
 TEST(ShippedConfig, EveryLidarFileIsAcceptedBesideAnImu) {
-  for (const char* name : {"velodyne16", "velodyne32", "velodyne64", "ouster", "hesai", "robosense"}) {
+  for (const char* name : {"velodyne16", "velodyne32", "velodyne64", "ouster", "hesai", "robosense", "livox"}) {
     EXPECT_NO_THROW({
       const LioConfig config = load_shipped("include: [imu/mti600, lidar/" + std::string(name) + "]\n");
       EXPECT_LE(config.lidar.max_range, config.map.radius) << name;
@@ -497,7 +497,8 @@ TEST(ShippedConfig, EveryLidarFileIsAcceptedBesideAnImu) {
 }
 
 TEST(ShippedConfig, EveryRobotIsComplete) {
-  for (const char* name : {"simulated", "kitti_0005"})
+  for (const char* name : {"simulated", "simulated_velodyne32", "simulated_ouster64", "simulated_livox_avia",
+                           "simulated_livox_mid360", "simulated_euroc", "kitti_0005"})
     EXPECT_NO_THROW(read_config(load_yaml(name, {kSource + "/config"}))) << name;
 }
 
@@ -508,9 +509,12 @@ TEST(ShippedConfig, NoFileIsForgottenByTheseTests) {
   } catch (const ConfigError& error) {
     EXPECT_HAS(error.what(),
                "nor one of imu/adis16448, imu/adis16465, imu/bmi088, imu/icm20948, imu/ideal, imu/mti600, "
-               "imu/pseudo_imu, lidar/hesai, lidar/ouster, lidar/robosense, lidar/velodyne16, lidar/velodyne32, "
-               "lidar/velodyne64, lio, robots/kitti_0005, robots/simulated");
-    EXPECT_EQ(std::string(error.what()).find("robots/simulated") + 16, std::string(error.what()).size());
+               "imu/pseudo_imu, lidar/hesai, lidar/livox, lidar/ouster, lidar/robosense, lidar/velodyne16, "
+               "lidar/velodyne32, lidar/velodyne64, lio, robots/kitti_0005, robots/simulated, robots/simulated_euroc, "
+               "robots/simulated_livox_avia, robots/simulated_livox_mid360, robots/simulated_ouster64, "
+               "robots/simulated_velodyne32, suites/degenerate");
+    const std::string last = "suites/degenerate", text = error.what();
+    EXPECT_EQ(text.find(last) + last.size(), text.size());
   }
 }
 
@@ -544,6 +548,18 @@ TEST(ShippedConfig, TheSimulatedRobotIsTheOneThatTheSimulatorMakes) {
   EXPECT_EQ(config.lidar.range_noise, lidar.range_noise);
   EXPECT_EQ(config.lidar.min_range, lidar.min_range);
   EXPECT_EQ(config.lidar.max_range, lidar.max_range);
+}
+
+TEST(ShippedConfig, EverySimulatedRobotHasTheRangesOfItsLidar) {
+  for (const std::string& name : lidar_pattern_names()) {
+    const std::string robot = name == "velodyne16" ? "simulated" : "simulated_" + name;
+    const LioConfig config = read_config(load_yaml(robot, {kSource + "/config"}));
+    const LidarPattern lidar = make_lidar_pattern(name);
+    EXPECT_EQ(config.lidar.range_noise, lidar.range_noise) << name;
+    EXPECT_EQ(config.lidar.min_range, lidar.min_range) << name;
+    EXPECT_GE(config.lidar.max_range, lidar.max_range) << name;
+    EXPECT_EQ(config.T_imu_lidar.translation, default_T_imu_lidar().translation) << name;
+  }
 }
 
 std::string file_text(const std::string& path) {

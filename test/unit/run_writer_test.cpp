@@ -109,6 +109,10 @@ TEST_F(RunWriterTest, StatesHaveAColumnForEveryName) {
   EXPECT_EQ(std::stod(value("support_5")), 0.5);
   EXPECT_EQ(std::stod(value("cov_p_xy")), 0.0);
   EXPECT_EQ(std::stod(value("cov_p_xz")), 0.7);
+  EXPECT_EQ(std::stod(value("cov_ba_yz")), 0.0);
+  // Level, at rest attitude known to 1, 2 and 3 rad, gravity to 16 and 17: the variances add.
+  EXPECT_NEAR(std::stod(value("cov_tilt_00")) + std::stod(value("cov_tilt_11")), 1 + 4 + 256 + 289, 5.0);
+  EXPECT_GT(std::stod(value("cov_v_imu_zz")), 49.0);
 }
 
 TEST_F(RunWriterTest, TheSummaryIsYamlThatHoldsTheWholeStory) {

@@ -4,67 +4,33 @@
 
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <vector>
 
-#include "allan_lio/sim/lidar_simulator.h"
+#include "box_drive.h"
 
 namespace allan_lio {
 namespace {
 
-constexpr TimeNs kStart = 1700000000 * kNsPerSecond;
 constexpr double kPi = 3.14159265358979323846;
-const Eigen::Vector3d kLow(-7.3, -4.1, -1.9), kHigh(9.2, 6.4, 2.7);  // of the box around the LiDAR [m]
 
-TriangleMesh box_scene() {
-  TriangleMesh mesh;
-  mesh.add_box(kLow, kHigh);
-  return mesh;
-}
-
-/// From the box's inside along `direction` to its walls [m].
-double range_to_box(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
-  double range = 1e9;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (direction[axis] > 0) range = std::min(range, (kHigh[axis] - origin[axis]) / direction[axis]);
-    if (direction[axis] < 0) range = std::min(range, (kLow[axis] - origin[axis]) / direction[axis]);
+/// FNV-1a over words.
+struct Hash {
+  std::uint64_t value = 14695981039346656037ull;
+  void add(std::uint64_t word) {
+    for (int i = 0; i < 8; ++i, word >>= 8) value = (value ^ (word & 255)) * 1099511628211ull;
   }
-  return range;
-}
-
-TrajectoryPlan fast_curve() {
-  TrajectoryPlan plan;
-  plan.waypoints = {
-      {{-3, -1, 0.2}, 1.0}, {{0, 1, 0.2}, 3.0}, {{3, -1, 0.2}, 3.0}, {{4, 2, 0.2}, 3.0}, {{0, 3, 0.2}, 3.0}};
-  plan.acceleration = 4.0;
-  plan.standstill_begin = 1.0;
-  return plan;
-}
-
-LidarPattern noise_free(const std::string& name) {
-  LidarPattern pattern = make_lidar_pattern(name);
-  pattern.range_noise = 0.0;
-  return pattern;
-}
-
-bool same_points(const SimSweep& a, const SimSweep& b) {
-  if (a.points.size() != b.points.size()) return false;
-  for (std::size_t i = 0; i < a.points.size(); ++i) {
-    const SimPoint &p = a.points[i], &q = b.points[i];
-    if (p.x != q.x || p.y != q.y || p.z != q.z || p.intensity != q.intensity || p.ring != q.ring || p.time != q.time)
-      return false;
+  void add(float number) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &number, sizeof bits);
+    add(std::uint64_t{bits});
   }
-  return true;
-}
-
-class SimLidar : public ::testing::Test {
- protected:
-  SimSweep sweep(const LidarPattern& pattern, int index, std::uint64_t seed = 1, int threads = 2) const {
-    return LidarSimulator(pattern, default_T_imu_lidar(), trajectory_, caster_, kStart, seed, threads).sweep(index);
-  }
-
-  SimTrajectory trajectory_{fast_curve()};
-  RayCaster caster_{box_scene()};
 };
+
+std::vector<std::string> spinning_lidars() { return {"velodyne16", "velodyne32", "ouster64"}; }
+std::vector<std::string> livox_lidars() { return {"livox_avia", "livox_mid360"}; }
+
+class SimLidar : public BoxDrive {};
 
 TEST_F(SimLidar, ASweepAtRestReturnsTheExactRangesToKnownWalls) {
   const RigidTransform T_world_lidar = trajectory_.at(0.0).T_world_imu * default_T_imu_lidar();
@@ -86,14 +52,14 @@ TEST_F(SimLidar, PointsSitOnTheWallsWhenMovedByThePoseAtTheirOwnTime) {
   const LidarPattern pattern = noise_free("velodyne16");
   constexpr int kSweep = 25;
   constexpr double kTolerance = 1e-5;  // [m]
-  const double begin = kSweep / pattern.rotation_rate;
+  const double begin = kSweep / pattern.sweep_rate;
   ASSERT_GT(trajectory_.at(begin).velocity_world.norm(), 1.0);
   double worst_undistorted = 0.0;
   for (const SimPoint& point : sweep(pattern, kSweep).points) {
     const auto distance_to_wall = [&](double time) {
       const Eigen::Vector3d p =
           trajectory_.at(time).T_world_imu * (default_T_imu_lidar() * Eigen::Vector3d(point.x, point.y, point.z));
-      return std::min((p - kLow).cwiseAbs().minCoeff(), (kHigh - p).cwiseAbs().minCoeff());
+      return std::min((p - kBoxLow).cwiseAbs().minCoeff(), (kBoxHigh - p).cwiseAbs().minCoeff());
     };
     ASSERT_LT(distance_to_wall(begin + point.time), kTolerance);
     worst_undistorted = std::max(worst_undistorted, distance_to_wall(begin));
@@ -127,11 +93,11 @@ TEST_F(SimLidar, RangeNoiseLiesAlongTheBeamWithItsSigma) {
 }
 
 TEST_F(SimLidar, PointsComeInFiringOrderWithRingsByElevation) {
-  for (const std::string& name : lidar_pattern_names()) {
+  for (const std::string& name : spinning_lidars()) {
     const LidarPattern pattern = noise_free(name);
     const SimSweep still = sweep(pattern, 3);
-    EXPECT_EQ(still.begin, kStart + 300000000) << name;
-    EXPECT_EQ(still.end, kStart + 400000000) << name;
+    EXPECT_EQ(still.begin, kBoxStart + 300000000) << name;
+    EXPECT_EQ(still.end, kBoxStart + 400000000) << name;
     float last = 0.0f;
     for (std::size_t i = 0; i < still.points.size(); ++i) {
       const SimPoint& point = still.points[i];
@@ -140,11 +106,87 @@ TEST_F(SimLidar, PointsComeInFiringOrderWithRingsByElevation) {
       const LidarBeam& beam = pattern.beams[i % pattern.beams.size()];
       ASSERT_EQ(point.ring, beam.ring) << name;
       ASSERT_NEAR(std::atan2(point.z, std::hypot(point.x, point.y)), beam.elevation, 1e-6) << name;
-      const double azimuth = -2.0 * kPi * pattern.rotation_rate * point.time;
+      const double azimuth = -2.0 * kPi * pattern.sweep_rate * point.time;
       ASSERT_NEAR(std::remainder(std::atan2(point.y, point.x) - azimuth, 2.0 * kPi), 0.0, 1e-6) << name;
     }
     EXPECT_LT(last, 0.1f) << name;
   }
+}
+
+/// Hashes taken before LiDARs had effects: what was simulated then must still be.
+TEST_F(SimLidar, SweepsWithoutEffectsAreTheSameAsEver) {
+  const std::pair<const char*, std::uint64_t> known[] = {
+      {"velodyne16", 0xf1b98c260692ad34}, {"velodyne32", 0x56c9f91c9eb26a81}, {"ouster64", 0xfd24cf2d27bb3383}};
+  for (const auto& [name, value] : known) {
+    Hash hash;
+    for (const SimPoint& point : sweep(make_lidar_pattern(name), 21, 5).points) {
+      for (const float number : {point.x, point.y, point.z, point.intensity}) hash.add(number);
+      hash.add(std::uint64_t{point.ring});
+      hash.add(point.time);
+    }
+    EXPECT_EQ(hash.value, value) << name;
+  }
+}
+
+TEST_F(SimLidar, LivoxPointsLieWhereTheMotorsTurnTheirBeamAtTheirTime) {
+  constexpr double kTolerance = 1e-5;  // [rad]
+  for (const std::string& name : livox_lidars()) {
+    const LidarPattern pattern = noise_free(name);
+    const SimSweep still = sweep(pattern, 3);
+    ASSERT_EQ(still.points.size(), pattern.columns * pattern.beams.size()) << name;
+    for (std::size_t i = 0; i < still.points.size(); ++i) {
+      const SimPoint& point = still.points[i];
+      const double time = static_cast<double>(i / pattern.beams.size()) * pattern.column_period();
+      const LidarBeam& beam = pattern.beams[i % pattern.beams.size()];
+      ASSERT_EQ(point.ring, beam.ring);
+      ASSERT_NEAR(point.time, time, 1e-7);
+      const Eigen::Vector3d direction = Eigen::Vector3d(point.x, point.y, point.z).normalized();
+      ASSERT_LT((direction - beam_direction(pattern, beam, 0.3, time)).norm(), kTolerance) << name;
+    }
+  }
+}
+
+TEST_F(SimLidar, LivoxFieldsOfViewAreTheDataSheets) {
+  constexpr double kEdge = 0.3;  // how close ten sweeps come to the field's edge [deg]
+  const auto expect_span = [&](const std::string& name, double left, double low, double high) {
+    const LidarPattern pattern = make_lidar_pattern(name);
+    double widest = 0.0, lowest = 90.0, highest = -90.0;
+    for (int column = 0; column < 10 * pattern.columns; ++column) {
+      for (const LidarBeam& beam : pattern.beams) {
+        const Eigen::Vector3d d = beam_direction(pattern, beam, 0.0, column * pattern.column_period());
+        ASSERT_NEAR(d.norm(), 1.0, 1e-12);
+        const double elevation = std::asin(d.z()) * 180.0 / kPi;
+        widest = std::max(widest, std::abs(std::atan2(d.y(), d.x())) * 180.0 / kPi);
+        lowest = std::min(lowest, elevation);
+        highest = std::max(highest, elevation);
+      }
+    }
+    EXPECT_NEAR(widest, left, kEdge) << name;
+    EXPECT_NEAR(lowest, low, kEdge) << name;
+    EXPECT_NEAR(highest, high, kEdge) << name;
+  };
+  expect_span("livox_avia", 35.2, -38.6, 38.6);
+  expect_span("livox_mid360", 180.0, -7.0, 52.0);
+}
+
+TEST_F(SimLidar, LivoxSweepsDoNotRepeatAndFillTheField) {
+  // Cells of half a degree that were seen; the field holds some 17000 of them (Avia) and 85000 (Mid-360).
+  const auto cells_after = [](const LidarPattern& pattern, int sweeps) {
+    std::set<std::pair<long, long>> cells;
+    for (int column = 0; column < sweeps * pattern.columns; ++column)
+      for (const LidarBeam& beam : pattern.beams) {
+        const Eigen::Vector3d d = beam_direction(pattern, beam, 0.0, column * pattern.column_period());
+        cells.insert(
+            {std::lround(std::atan2(d.y(), d.x()) * 360.0 / kPi), std::lround(std::asin(d.z()) * 360.0 / kPi)});
+      }
+    return static_cast<double>(cells.size());
+  };
+  for (const std::string& name : livox_lidars()) {
+    const LidarPattern pattern = make_lidar_pattern(name);
+    EXPECT_GT(cells_after(pattern, 5), 1.5 * cells_after(pattern, 1)) << name;
+    EXPECT_FALSE(same_points(sweep(noise_free(name), 3), sweep(noise_free(name), 4))) << name;
+  }
+  EXPECT_EQ(cells_after(make_lidar_pattern("velodyne16"), 5), cells_after(make_lidar_pattern("velodyne16"), 1));
 }
 
 TEST_F(SimLidar, BeamsBeyondTheRangeLimitsAreLeftOut) {
@@ -169,7 +211,7 @@ TEST_F(SimLidar, Velodyne16Fires28800BeamsFromMinus15To15Degrees) {
 }
 
 TEST_F(SimLidar, CountsTheSweepsThatAreComplete) {
-  const LidarSimulator lidar(make_lidar_pattern("velodyne16"), {}, trajectory_, caster_, kStart, 1, 1);
+  const LidarSimulator lidar(make_lidar_pattern("velodyne16"), {}, trajectory_, caster_, kBoxStart, 1, 1);
   EXPECT_EQ(lidar.sweeps_within(0.3), 3);
   EXPECT_EQ(lidar.sweeps_within(0.39), 3);
   EXPECT_EQ(lidar.sweeps_within(0.05), 0);
@@ -178,7 +220,7 @@ TEST_F(SimLidar, CountsTheSweepsThatAreComplete) {
 TEST_F(SimLidar, RefusesPatternsThatCannotBe) {
   EXPECT_THROW(make_lidar_pattern("velodyne17"), std::invalid_argument);
   const auto refused = [this](const LidarPattern& pattern, int threads = 1) {
-    EXPECT_THROW(LidarSimulator(pattern, {}, trajectory_, caster_, kStart, 1, threads), std::invalid_argument);
+    EXPECT_THROW(LidarSimulator(pattern, {}, trajectory_, caster_, kBoxStart, 1, threads), std::invalid_argument);
   };
   refused(LidarPattern());
   LidarPattern pattern = make_lidar_pattern("velodyne16");

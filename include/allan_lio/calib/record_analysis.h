@@ -35,9 +35,9 @@ struct RecordAnalysis {
 /// "gyro x" to "accel z".
 std::string axis_name(int axis);
 
-/// Curves and fits of all six axes; `shortest` [s] as in fit_allan_variance(). With kLikelihood the Gauss-Markov model counts as the better one, and the flat
-/// part is that of its bias alone. Throws std::invalid_argument, naming the axis, if the record is too short for a
-/// fit or an axis reads the same value all the time.
+/// Curves and fits of all six axes; `shortest` [s] as in fit_allan_variance(). With kLikelihood the Gauss-Markov model
+/// counts as the better one, and the flat part is that of its bias alone. Throws std::invalid_argument, naming the
+/// axis, if the record is too short for a fit or an axis reads the same value all the time.
 RecordAnalysis analyse_record(const StaticRecord& record, FitMethod method, int threads, double shortest = 0.0);
 
 }  // namespace allan_lio

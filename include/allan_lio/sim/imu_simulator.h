@@ -9,17 +9,19 @@
 
 #include "allan_lio/imu/imu_noise.h"
 #include "allan_lio/imu/imu_sample.h"
-#include "allan_lio/sim/trajectory.h"
+#include "allan_lio/sim/imu_defects.h"
+#include "allan_lio/sim/motion.h"
 
 namespace allan_lio {
 
 constexpr double kSimGravity = 9.80665;  ///< [m/s^2], down along the world's -z
 
-/// Which of the specification's errors a simulated IMU has.
+/// Which of the specification's errors a simulated IMU has, and what others.
 struct ImuErrorConfig {
   bool white = true;      ///< N_g, N_a
   bool bias_walk = true;  ///< the Gauss-Markov bias of sigma_b and T_b
   bool turn_on = true;    ///< the constant turn-on bias
+  ImuDefects defects;     ///< none
 };
 
 /// The errors of one IMU at a fixed rate, sample by sample: white noise of standard deviation N sqrt(rate), and a
@@ -50,16 +52,18 @@ class ImuErrorModel {
 };
 
 struct SimulatedImu {
-  std::vector<ImuSample> samples;
-  std::vector<Eigen::Vector3d> gyro_bias;   ///< truth, one a sample [rad/s]
-  std::vector<Eigen::Vector3d> accel_bias;  ///< truth, one a sample [m/s^2]
+  std::vector<ImuSample> samples;           ///< stamped by the IMU's clock
+  std::vector<TimeNs> true_stamps;          ///< the same by the LiDAR's clock, which the truth goes by
+  std::vector<Eigen::Vector3d> gyro_bias;   ///< truth, one a sample; empty if not known [rad/s]
+  std::vector<Eigen::Vector3d> accel_bias;  ///< truth, one a sample; empty if not known [m/s^2]
 };
 
 /// What an accelerometer without errors reads, in the IMU frame [m/s^2].
 Eigen::Vector3d specific_force(const MotionState& state);
 
-/// Samples at start_stamp + k/rate for `duration` [s], both ends included.
-SimulatedImu simulate_imu(const SimTrajectory& trajectory, double duration, TimeNs start_stamp, double rate,
+/// Samples at start_stamp + k/rate for `duration` [s], both ends included, stamped by the IMU's clock and without those
+/// that are lost if the configuration says so.
+SimulatedImu simulate_imu(const Motion& trajectory, double duration, TimeNs start_stamp, double rate,
                           const NoiseSpec& spec, const ImuErrorConfig& config, std::uint64_t seed);
 
 }  // namespace allan_lio

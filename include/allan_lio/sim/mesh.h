@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "allan_lio/math/rigid_transform.h"
+
 namespace allan_lio {
 
 /// Surfaces as triangles, each seen from both sides.
@@ -15,6 +17,9 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 
   void add_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+
+  /// Another mesh's triangles, taken to this one's frame by `T_this_other`.
+  void append(const TriangleMesh& other, const RigidTransform& T_this_other);
 
   /// The planar quadrilateral a, b, c, d, corners in the order of its outline.
   void add_quad(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, const Eigen::Vector3d& d);

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "allan_lio/math/rigid_transform.h"
+#include "allan_lio/sim/motion.h"
 
 namespace allan_lio {
 
@@ -27,6 +27,15 @@ struct Gait {
   double full_speed = 0.5;  ///< from which the amplitudes are full [m/s]
 };
 
+/// One sinusoid of a vibration that the body really makes, at full speed; it swells with the gait.
+struct Wobble {
+  enum Axis : int { kForward, kLeft, kUp, kRoll, kPitch, kYaw };
+  Axis axis;
+  double frequency;  ///< [Hz]
+  double amplitude;  ///< of the acceleration [m/s^2], or of the angular rate [rad/s]
+  double phase;      ///< [rad]
+};
+
 struct TrajectoryPlan {
   std::vector<Waypoint> waypoints;  ///< world frame; the first one's speed is not used
   double standstill_begin = 3.0;    ///< [s]
@@ -34,29 +43,22 @@ struct TrajectoryPlan {
   double acceleration = 1.0;        ///< along the way, never exceeded by the speed profile before smoothing [m/s^2]
   double knot_interval = 0.4;       ///< of the spline; a longer one rounds the corners more [s]
   Gait gait;
-};
-
-/// The motion of the IMU at an instant.
-struct MotionState {
-  RigidTransform T_world_imu;
-  Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();      ///< [m/s]
-  Eigen::Vector3d acceleration_world = Eigen::Vector3d::Zero();  ///< [m/s^2]
-  Eigen::Vector3d rate_imu = Eigen::Vector3d::Zero();            ///< angular rate in the IMU frame [rad/s]
+  /// How far the body leans into an acceleration [rad/(m/s^2)]: 1/g for a multirotor, which flies where its thrust
+  /// points; negative for a car, which rolls outward in a bend and nods when it brakes.
+  double lean = 0.0;
+  std::vector<Wobble> wobbles;
 };
 
 /// A smooth motion along a plan: position, heading (x forward) and the gait's weight are one uniform quintic
-/// B-spline (C^4), and the derivatives are exact, so that pose, rate and acceleration agree to rounding.
-/// The z axis of the world points up.
-class SimTrajectory {
+/// B-spline (C^4); what gait, lean and wobbles add is in closed form.
+class SimTrajectory : public Motion {
  public:
   /// Throws std::invalid_argument for fewer than two waypoints, two equal ones in a row, or a number that is not
   /// positive where it must be.
   explicit SimTrajectory(const TrajectoryPlan& plan);
 
-  double duration() const;  ///< [s]
-
-  /// `t` [s] since the start; held at the ends beyond them.
-  MotionState at(double t) const;
+  double duration() const override;
+  MotionState at(double t) const override;
 
  private:
   enum Channel : int { kX, kY, kZ, kHeading, kWeight, kChannels };
@@ -65,6 +67,8 @@ class SimTrajectory {
   std::vector<Control, Eigen::aligned_allocator<Control>> control_;
   double knot_interval_;
   Gait gait_;
+  double lean_;
+  std::vector<Wobble> wobbles_;
 };
 
 }  // namespace allan_lio
