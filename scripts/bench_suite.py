@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # Copyright 2026 the allan_lio authors
 # SPDX-License-Identifier: BSD-3-Clause
 """The suites of config/suites: reads one, simulates its sequences, runs the filter, keeps the figures (for scripts/bench)."""

@@ -235,7 +235,8 @@ void declare_init(ParameterVisitor& v, LioConfig::Init& init) {
             "1 sigma of the velocity at any other start. Raise it for a start on the motorway."},
            init.velocity_sigma, 10.0, Range::positive());
   v.number({"init/still_velocity_sigma", "m/s",
-            "1 sigma of the velocity of a start that IMU and LiDAR both see still. Raise it when the start may be a "
+            "1 sigma of the velocity of a start whose IMU is quiet and to which the LiDAR does not object. Raise it "
+            "when the start may be a "
             "steady ride down a tunnel."},
            init.still_velocity_sigma, 0.05, Range::positive());
   v.number({"init/moving_time", "s", "Length of the record from which tilt is taken when the start is moving."},

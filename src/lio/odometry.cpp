@@ -32,6 +32,7 @@ LioResult Odometry::Impl::process(Scan scan) {
   if (!report.applied) return finish(settle_unmatched(), std::move(scan), result);
 
   unmatched_in_a_row_ = 0;
+  map_proven_ = true;
   if (config_.estimate_extrinsics) {  // the points lie elsewhere now
     deskewer_ = make_deskewer(scan, track, predicted);
     deskew_points(scan);

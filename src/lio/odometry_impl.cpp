@@ -130,10 +130,11 @@ bool Odometry::Impl::moved_since_insertion() const {
 
 ScanOutcome Odometry::Impl::settle_unmatched() {
   ++unmatched_in_a_row_;
-  if (scans_processed_ <= kSettlingScans) {  // the first scans may be too thin to make planes
-    insert_scan();
+  if (!map_proven_) {  // the first scans may be too thin to make planes; on flat ground it takes motion to fill them
+    if (scans_processed_ <= kSettlingScans || moved_since_insertion()) insert_scan();
   } else if (unmatched_in_a_row_ >= kLostAfter) {
     map_->clear();
+    map_proven_ = false;
     anchor_pose();
     insert_scan();
     unmatched_in_a_row_ = 0;

@@ -42,7 +42,8 @@ class Odometry::Impl {
   void insert_scan();
   /// Points that are added from one place share one pose's error: a standing sensor would make its own yardstick.
   bool moved_since_insertion() const;
-  /// A scan without matches: in the first scans it adds to the map; after too many in a row the map starts anew here.
+  /// A scan without matches: it adds to a map to which none was registered yet; of a map that was good before, too
+  /// many in a row start it anew here.
   ScanOutcome settle_unmatched();
 
   /// Lays the world's origin and heading at the state's pose.
@@ -56,7 +57,7 @@ class Odometry::Impl {
 
   /// True at the second scan of a start whose IMU is quiet.
   bool may_stand_still() const { return quiet_start_ && scans_processed_ == 1; }
-  /// Takes the velocity for zero if the scan shows no motion either.
+  /// Takes the velocity for zero unless the scan shows motion.
   void settle_standstill();
 
   /// True in the first scans of a moving start: the velocity at hand when the scan was deskewed was so wrong that
@@ -93,6 +94,7 @@ class Odometry::Impl {
   Eigen::Vector3d gyro_ = Eigen::Vector3d::Zero();  ///< at the state's stamp, bias off [rad/s]
   int scans_processed_ = 0;
   int unmatched_in_a_row_ = 0;
+  bool map_proven_ = false;     ///< a scan has been registered to the map as it is
   RigidTransform inserted_at_;  ///< T_world_imu of the scan that was last put into the map
 
   // Of the scan at hand; kept for deskewed_points() and so that nothing is allocated anew for every scan.

@@ -107,7 +107,7 @@ void Odometry::Impl::anchor_lidar_pose() {
 void Odometry::Impl::settle_standstill() {
   LioState start = state_;
   start.nav.T_world_imu = first_pose_;
-  if (agrees_with_standstill(registered_points_, start, *map_, residual_options(config_), residuals_))
+  if (!contradicts_standstill(registered_points_, start, *map_, residual_options(config_), residuals_))
     update_zero_velocity(config_.init.still_velocity_sigma, state_, covariance_);
 }
 

@@ -15,10 +15,10 @@ constexpr int kLeastPoints = 100;
 
 }  // namespace
 
-bool agrees_with_standstill(const std::vector<Eigen::Vector3f>& points_imu, const LioState& start, const VoxelMap& map,
+bool contradicts_standstill(const std::vector<Eigen::Vector3f>& points_imu, const LioState& start, const VoxelMap& map,
                             const ResidualOptions& options, PointToPlane& residuals) {
   const NormalEquations at_start = residuals.linearize(points_imu, start, PoseMatrix::Zero(), map, options);
-  return at_start.matched >= kLeastPoints && at_start.inliers >= kLeastAgreement * at_start.matched;
+  return at_start.matched >= kLeastPoints && at_start.inliers < kLeastAgreement * at_start.matched;
 }
 
 void update_zero_velocity(double sigma, LioState& state, LioMatrix& covariance) {

@@ -22,8 +22,16 @@ TEST(ZeroVelocity, AScanFromTheSamePlaceAgreesAndOneFromHalfAMetreOnDoesNot) {
   map->insert(room_points(60000, 0.02, 1), Eigen::Vector3d::Zero());
   TaskPool pool(1);
   PointToPlane residuals(pool);
-  EXPECT_TRUE(agrees_with_standstill(seen_from({0, 0, 0}), LioState{}, *map, kOptions, residuals));
-  EXPECT_FALSE(agrees_with_standstill(seen_from({0.15, 0, 0}), LioState{}, *map, kOptions, residuals));
+  EXPECT_FALSE(contradicts_standstill(seen_from({0, 0, 0}), LioState{}, *map, kOptions, residuals));
+  EXPECT_TRUE(contradicts_standstill(seen_from({0.15, 0, 0}), LioState{}, *map, kOptions, residuals));
+}
+
+TEST(ZeroVelocity, AMapWithoutPlanesContradictsNothing) {
+  const auto map = make_plane_voxel_map({0.5, 0.02, 50.0, 100.0});
+  map->insert(room_points(50, 0.02, 1), Eigen::Vector3d::Zero());
+  TaskPool pool(1);
+  PointToPlane residuals(pool);
+  EXPECT_FALSE(contradicts_standstill(seen_from({0.15, 0, 0}), LioState{}, *map, kOptions, residuals));
 }
 
 TEST(ZeroVelocity, TheUpdateIsAKalmanStepThatPullsThePositionAlong) {

@@ -8,10 +8,10 @@
 
 namespace allan_lio {
 
-/// True if the points (IMU frame at the scan's end) lie on the map's planes as they would without any motion since
-/// the map was founded at `start`. With a quiet IMU that is a standstill; the IMU alone cannot tell it from a steady
-/// ride.
-bool agrees_with_standstill(const std::vector<Eigen::Vector3f>& points_imu, const LioState& start, const VoxelMap& map,
+/// True if a scan that was taken with a quiet IMU shows motion all the same (a steady ride): of the points for which
+/// the map has a plane too few lie on it from the `start`'s pose. A map that has hardly a plane yet contradicts
+/// nothing: on flat ground the first sweeps are mere rings.
+bool contradicts_standstill(const std::vector<Eigen::Vector3f>& points_imu, const LioState& start, const VoxelMap& map,
                             const ResidualOptions& options, PointToPlane& residuals);
 
 /// Kalman update with the measurement "velocity is zero", 1 sigma `sigma` [m/s] on each axis.
