@@ -109,5 +109,27 @@ TEST(RangeNoise, ALargeMultiplierDoesNotTakeTheMapAway) {
   EXPECT_LT(error.translation.rmse, kBound);
 }
 
+TEST(FlatGround, ASweepOfMereRingsAtRestFoundsAMapOnceTheRobotMoves) {
+  const SimulatedDrive drive = simulate_drive("field", 6.5, 1);  // 3 s of rest
+  const std::vector<LioResult> results = run_odometry(drive, simulated_robot());
+  ASSERT_FALSE(results.empty());
+  for (const LioResult& result : results)
+    ASSERT_NE(result.outcome, ScanOutcome::kMapRestarted) << "a map that never was is not lost";
+  EXPECT_EQ(results.back().outcome, ScanOutcome::kUpdated);
+  EXPECT_LT(std::sqrt(results[10].covariance(kVelocity, kVelocity)), 0.1) << "the quiet IMU's standstill holds [m/s]";
+  const NavState& end = results.back().state.nav;
+  const auto at = [&](double back) {  // truth so long [s] before the end
+    const TimeNs stamp = end.stamp - to_ns(back);
+    return std::lower_bound(drive.truth.begin(), drive.truth.end(), stamp,
+                            [](const auto& pose, TimeNs t) { return pose.stamp < t; });
+  };
+  const auto before = at(0.05), after = at(0.0);
+  const double truth =
+      (after->pose.translation - before->pose.translation).norm() / seconds_between(before->stamp, after->stamp);
+  constexpr double kSpeed = 0.2;  // [m/s]
+  ASSERT_GT(truth, 1.0) << "it moves by then";
+  EXPECT_NEAR(end.velocity_world.norm(), truth, kSpeed);
+}
+
 }  // namespace
 }  // namespace allan_lio
