@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
@@ -212,9 +213,9 @@ int run(const Arguments& a) {
 
   const RecordAnalysis analysis = analyse_record(recording.record, kMethods.at(a.method), threads, a.from);
   const NoiseYaml yaml = noise_yaml(analysis, origin, kBiases.at(a.bias));
-  std::cout << fits_text(analysis);
   write_whole(a.out, yaml.text);
   if (!a.table.empty()) write_whole(a.table, deviation_table(analysis));
+  std::cout << fits_text(analysis) << std::flush;
   if (!a.plot.empty()) plot(script, analysis, origin, a.plot);
 
   if (!motion.empty()) std::cerr << "allan_variance: " << motion << '\n';
@@ -231,6 +232,7 @@ int main(int argc, char** argv) {
       "Noise of an IMU from a record at rest: overlapping Allan variance, and the fit of quantisation, white noise, "
       "bias instability and random walk with 95 % intervals.\n"
       "Exit status: 0; 1 if the record does not show a figure that --out needs, or is damaged; 2 for bad input."};
+  std::signal(SIGPIPE, SIG_IGN);  // whoever reads only the first lines of the report still gets the files
   Arguments arguments;
   declare(app, arguments);
   try {

@@ -322,5 +322,11 @@ TEST_F(AllanVarianceToolTest, TheFitBeginsWhereOneSaysAndRefusesWhatLeavesNothin
   EXPECT_EQ(run(csv() + " --from -1 --out " + file("from.yaml")).status, 2);
 }
 
+TEST_F(AllanVarianceToolTest, WhoReadsOnlyTheFirstLineStillGetsTheFiles) {
+  run(csv() + " --out " + file("piped.yaml") + " --table " + file("piped.csv") + " | head -1");
+  EXPECT_NE(contents_of(file("piped.yaml")).find("gyro_white_noise"), std::string::npos);
+  EXPECT_FALSE(contents_of(file("piped.csv")).empty());
+}
+
 }  // namespace
 }  // namespace allan_lio
