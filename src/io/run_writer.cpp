@@ -27,6 +27,7 @@ constexpr char kStatesHeader[] =
     "sigma_bg_x,sigma_bg_y,sigma_bg_z,sigma_ba_x,sigma_ba_y,sigma_ba_z,"
     "points,registered,inliers,iterations,residual_rms,outcome,"
     "support_0,support_1,support_2,support_3,support_4,support_5,"
+    "probability_0,probability_1,probability_2,probability_3,probability_4,probability_5,"
     "cov_p_xy,cov_p_xz,cov_p_yz,"
     "cov_theta_xy,cov_theta_xz,cov_theta_yz,cov_bg_xy,cov_bg_xz,cov_bg_yz,cov_ba_xy,cov_ba_xz,cov_ba_yz,"
     "cov_tilt_00,cov_tilt_01,cov_tilt_11,"
@@ -75,6 +76,7 @@ std::string states_row(const LioResult& result) {
   out << ',' << result.points << ',' << result.registered << ',' << result.inliers << ',' << result.iterations << ','
       << result.residual_rms << ',' << outcome_name(result.outcome);
   put(result.localizability.support);
+  put(result.localizability.probability);
   // With the sigmas above these are the whole covariances of the blocks, so that any direction's can be had.
   for (const int block : {kPosition, kTheta, kGyroBias, kAccelBias})
     put(Eigen::Vector3d(result.covariance(block, block + 1), result.covariance(block, block + 2),

@@ -12,31 +12,60 @@ namespace allan_lio {
 namespace {
 
 constexpr int kLeastInliers = 20;
+constexpr double kViewTime = 2.0;   ///< [s] in which other planes come into view
+constexpr double kSupported = 0.5;  ///< support from which a direction counts as measured
 
-/// Rows of the error state that the residuals touch.
-Eigen::Matrix<double, kLioDof, kResidualDof> touched_columns(const LioMatrix& m) {
-  Eigen::Matrix<double, kLioDof, kResidualDof> out;
-  out << m.leftCols<6>(), m.middleCols<6>(kExtrinsicRotation);
-  return out;
+/// What the residuals see: pose, extrinsics, view.
+constexpr int kTouched = kResidualDof + 6;
+using TouchedMatrix = Eigen::Matrix<double, kTouched, kTouched>;
+using TouchedVector = Eigen::Matrix<double, kTouched, 1>;
+
+PoseMatrix pose_block(const LioMatrix& covariance, const PoseRows& rows) {
+  ResidualMatrix block;
+  block << covariance.topLeftCorner<6, 6>(), covariance.block<6, 6>(0, kExtrinsicRotation),
+      covariance.block<6, 6>(kExtrinsicRotation, 0), covariance.block<6, 6>(kExtrinsicRotation, kExtrinsicRotation);
+  return rows * block * rows.transpose();
 }
 
-ResidualMatrix touched_block(const Eigen::Matrix<double, kLioDof, kResidualDof>& columns) {
-  ResidualMatrix out;
-  out << columns.topRows<6>(), columns.middleRows<6>(kExtrinsicRotation);
-  return out;
+/// Covariance of the LiDAR's pose relative to the planes in view.
+PoseMatrix relative_covariance(const Belief& belief, const PoseRows& rows) {
+  const PoseMatrix mixed = rows.leftCols<6>() * belief.view.cross.topRows<6>() +
+                           rows.rightCols<6>() * belief.view.cross.middleRows<6>(kExtrinsicRotation);
+  return pose_block(belief.covariance, rows) + belief.view.own - mixed - mixed.transpose();
+}
+
+Localizability judge(const NormalEquations& equations, const PointToPlane& residuals,
+                     const std::vector<Eigen::Vector3f>& points, const LioState& state, double floor) {
+  const PoseMatrix information = equations.information.topLeftCorner<6, 6>();
+  const double scale = std::sqrt(equations.squared_range / equations.inliers);
+  const PoseMatrix directions = support_directions(information, equations.feigned, scale);
+  PoseMatrix unscaled = directions;
+  unscaled.topRows<3>() /= scale;
+  return judge_localizability(information, equations.feigned, directions,
+                              residuals.squares_along(points, state, unscaled), scale, floor);
+}
+
+/// Covariance of the planes' own errors as an error of the pose, along what the scan supports.
+PoseMatrix view_noise(const NormalEquations& equations, const Localizability& localizability) {
+  PoseMatrix inverse = PoseMatrix::Zero();
+  for (int k = 0; k < 6; ++k) {
+    if (localizability.support[k] < kSupported) continue;
+    PoseVector direction = localizability.directions.col(k);
+    direction.head<3>() /= localizability.scale;
+    inverse +=
+        direction * direction.transpose() / direction.dot(equations.information.topLeftCorner<6, 6>() * direction);
+  }
+  return inverse * equations.plane_scatter * inverse;
 }
 
 /// Leaves to the IMU what the scan does not support.
-Localizability weigh_by_support(double floor, const PoseRows& rows, NormalEquations& equations) {
-  const double scale = std::sqrt(equations.squared_range / equations.inliers);
-  const Localizability localizability =
-      judge_localizability(equations.information.topLeftCorner<6, 6>(), equations.feigned, scale, floor);
-  const PoseMatrix factor = support_factor(localizability);
-  equations.information.topLeftCorner<6, 6>() =
-      factor * equations.information.topLeftCorner<6, 6>().eval() * factor.transpose();
-  equations.gradient.head<6>() = factor * factor * equations.gradient.head<6>().eval();
-  equations.spread(rows);
-  return localizability;
+NormalEquations weigh(const NormalEquations& equations, const PoseMatrix& support, const PoseRows& rows) {
+  NormalEquations out = equations;
+  const PoseMatrix information = support * equations.information.topLeftCorner<6, 6>();
+  out.information.topLeftCorner<6, 6>() = 0.5 * (information + information.transpose());
+  out.gradient.head<6>() = support * equations.gradient.head<6>();
+  out.spread(rows);
+  return out;
 }
 
 /// The points as they lie with the iterate's extrinsics; they were deskewed with the prior's.
@@ -87,60 +116,87 @@ ResidualOptions residual_options(const LioConfig& config) {
   return {range_sigma * range_sigma, config.update.gate, config.update.robust_scale, config.estimate_extrinsics};
 }
 
-UpdateStep solve_step(const LioState& iterate, const LioState& prior, const LioMatrix& prior_covariance,
-                      const NormalEquations& equations) {
+UpdateStep solve_step(const LioState& iterate, const LioState& prior, const Belief& belief,
+                      const NormalEquations& equations, bool estimate_extrinsics) {
   const LioMatrix to_iterate = transport(iterate, prior);
-  const LioMatrix p = to_iterate * prior_covariance * to_iterate.transpose();
+  const LioMatrix p = to_iterate * belief.covariance * to_iterate.transpose();
+  const Eigen::Matrix<double, kLioDof, 6> cross = to_iterate * belief.view.cross;
   const LioVector pull = -to_iterate * lio_minus(iterate, prior);
 
-  const ResidualMatrix& information = equations.information;
-  const auto p_touched = touched_columns(p);
-  const ResidualMatrix system = ResidualMatrix::Identity() + information * touched_block(p_touched);
-  const Eigen::PartialPivLU<ResidualMatrix> lu(system);
-  ResidualVector pull_touched;
-  pull_touched << pull.head<6>(), pull.segment<6>(kExtrinsicRotation);
+  Eigen::Matrix<double, kLioDof, kTouched> touched;
+  touched << p.leftCols<6>(), p.middleCols<6>(kExtrinsicRotation), cross;
+  Eigen::Matrix<double, kTouched, 6> with_view;
+  with_view << cross.topRows<6>(), cross.middleRows<6>(kExtrinsicRotation), belief.view.own;
+  TouchedMatrix seen;
+  seen << touched.topRows<6>(), touched.middleRows<6>(kExtrinsicRotation), with_view.transpose();
+  TouchedVector pulled;
+  pulled << pull.head<6>(), pull.segment<6>(kExtrinsicRotation), PoseVector::Zero();
 
+  // One gradient of the pose, as those of pose, extrinsics and view.
+  Eigen::Matrix<double, kTouched, 6> spread;
+  spread << lidar_pose_rows(iterate, estimate_extrinsics).transpose(), -PoseMatrix::Identity();
+  TouchedMatrix information;
+  information << equations.information, -equations.information.leftCols<6>(), -equations.information.topRows<6>(),
+      equations.information.topLeftCorner<6, 6>();
+  TouchedVector gradient;
+  gradient << equations.gradient, -equations.gradient.head<6>();
+
+  const Eigen::PartialPivLU<TouchedMatrix> lu(TouchedMatrix::Identity() + information * seen);
   UpdateStep out;
-  out.step = pull + p_touched * lu.solve(equations.gradient - information * pull_touched);
-  const LioMatrix updated = p - p_touched * lu.solve(information * p_touched.transpose());
-  out.covariance = 0.5 * (updated + updated.transpose());
+  out.step = pull + touched * lu.solve(gradient - information * pulled);
+  const LioMatrix updated = p - touched * lu.solve(information * touched.transpose());
+  out.posterior.covariance = 0.5 * (updated + updated.transpose());
+  out.posterior.view.cross = cross - touched * lu.solve(information * with_view);
+  out.posterior.view.own = belief.view.own;
+  out.gain = touched * lu.solve(spread);
   return out;
 }
 
 UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, const VoxelMap& map,
-                             const LioConfig& config, PointToPlane& residuals, LioState& state, LioMatrix& covariance) {
+                             const LioConfig& config, double seconds, PointToPlane& residuals, LioState& state,
+                             Belief& belief, AbsoluteCovariance& absolute) {
   const ResidualOptions options = residual_options(config);
   const bool estimate = config.estimate_extrinsics;
-  const PoseRows prior_rows = lidar_pose_rows(state, estimate);
-  const PoseMatrix pose_covariance = prior_rows * touched_block(touched_columns(covariance)) * prior_rows.transpose();
+  const PoseMatrix pose_covariance = relative_covariance(belief, lidar_pose_rows(state, estimate));
+  const std::vector<std::uint32_t> last_epochs = absolute.last_epochs();
   const LioState prior = state;
-  const LioMatrix prior_covariance = covariance;
+  Belief prior_belief = belief;
+  UsedMeasurement used;
+  used.view_kept = std::exp(-seconds / kViewTime);
 
   UpdateReport report;
   LioState iterate = prior;
   std::vector<Eigen::Vector3f> moved;
   for (int i = 0; i < config.update.max_iterations; ++i) {
     const auto& points = moved_points(points_imu, iterate, prior, estimate, moved);
-    NormalEquations equations = residuals.linearize(points, iterate, pose_covariance, map, options);
-    if (equations.inliers < kLeastInliers) {
-      covariance = prior_covariance;
-      return UpdateReport{};
+    const NormalEquations equations = residuals.linearize(points, iterate, pose_covariance, map, options, last_epochs);
+    if (equations.inliers < kLeastInliers) return UpdateReport{};
+    report.localizability = judge(equations, residuals, points, iterate, config.update.support_floor);
+    used.support = support_factor(report.localizability);
+    if (i == 0) {
+      used.view_noise = view_noise(equations, report.localizability);
+      prior_belief.view.change(used.view_kept, used.view_noise);
+      report.innovation = pose_innovation(equations.information.topLeftCorner<6, 6>(), equations.gradient.head<6>(),
+                                          pose_covariance, report.localizability);
     }
-    const PoseMatrix information = equations.information.topLeftCorner<6, 6>();
-    const PoseVector gradient = equations.gradient.head<6>();
-    report.localizability =
-        weigh_by_support(config.update.support_floor, lidar_pose_rows(iterate, estimate), equations);
-    if (i == 0) report.innovation = pose_innovation(information, gradient, pose_covariance, report.localizability);
-    const UpdateStep solution = solve_step(iterate, prior, prior_covariance, equations);
+    const UpdateStep solution = solve_step(
+        iterate, prior, prior_belief, weigh(equations, used.support, lidar_pose_rows(iterate, estimate)), estimate);
     const LioState next = lio_plus(iterate, solution.step);
     const LioMatrix reset = transport(next, iterate);
-    covariance = reset * solution.covariance * reset.transpose();
-    iterate = next;
     report.iterations = i + 1;
     report.inliers = equations.inliers;
     report.residual_rms = std::sqrt(equations.squared_distance / equations.inliers);
+    used.state = iterate;
+    used.gain = solution.gain;
+    used.parts = residuals.information_of_parts();
+    belief.covariance = reset * solution.posterior.covariance * reset.transpose();
+    belief.view = {reset * solution.posterior.view.cross, solution.posterior.view.own};
+    iterate = next;
     if (converged(solution.step, config.update)) break;
   }
+  absolute.transform(transport(used.state, prior));
+  absolute.update(used, estimate);
+  absolute.transform(transport(iterate, used.state));
   state = iterate;
   report.applied = true;
   return report;

@@ -145,9 +145,11 @@ void declare_lidar(ParameterVisitor& v, LioConfig& c) {
   v.number({"lidar/k_r", "1",
             "Multiplier on range_noise; 1 is the data sheet's value. Raise it for rough or moving surroundings."},
            lidar.k_r, 1.0, Range::positive());
-  v.number({"lidar/leaf", "m",
-            "Edge of the voxels of which one point each is registered. Raise it for speed, lower it in narrow places."},
-           lidar.leaf, 0.4, Range::between(0.01, 10.0));
+  v.number(
+      {"lidar/leaf", "m",
+       "Width of the cells of beam direction of which one point each is registered. Raise it for speed, lower it in "
+       "narrow places."},
+      lidar.leaf, 0.4, Range::between(0.01, 10.0));
   v.integer(
       {"lidar/min_points", "1", "A scan with fewer points after downsampling is not used; the IMU goes on alone."},
       lidar.min_points, 50, Range::between(1, 1e6));
@@ -180,8 +182,8 @@ void declare_map(ParameterVisitor& v, LioConfig::Map& map) {
            map.structure, MapStructure::kPlanes, {"planes", "points"});
   v.number({"map/voxel_size", "m", "Edge of the map's voxels. Raise it outdoors, lower it in cluttered rooms."},
            map.voxel_size, 0.5, Range::between(0.05, 20.0));
-  v.number({"map/insert_leaf", "m", "Edge of the voxels of which one point each enters the map."}, map.insert_leaf, 0.1,
-           Range::between(0.001, 5.0));
+  v.number({"map/insert_leaf", "m", "Width of the cells of beam direction of which one point each enters the map."},
+           map.insert_leaf, 0.1, Range::between(0.001, 5.0));
   v.number({"map/insert_distance", "m",
             "A scan enters the map when the sensor has moved this far since the last one that did. Raise it for a slow "
             "vehicle with a fast LiDAR."},
@@ -213,8 +215,8 @@ void declare_update(ParameterVisitor& v, LioConfig::Update& update) {
             "Residuals beyond this many standard deviations are down-weighted (Huber). Lower it among moving objects."},
            update.robust_scale, 2.0, Range::positive());
   v.number({"update/support_floor", "1",
-            "A direction whose LiDAR information is below this many times what the map's normal noise feigns is left "
-            "to the IMU."},
+            "A direction of the pose is left to the IMU unless the LiDAR's information along it is probably above this "
+            "many times what the noise of the map's normals feigns."},
            update.support_floor, 4.0, Range::not_negative());
 }
 

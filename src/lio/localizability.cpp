@@ -2,37 +2,83 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/lio/localizability.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 namespace allan_lio {
+namespace {
 
-Localizability judge_localizability(const PoseMatrix& information, const PoseMatrix& feigned, double scale,
+constexpr double kEnoughPlanes = 8.0;   ///< of those that hold a direction up: one of fewer could be an artefact
+constexpr double kLeastFeigned = 1e-3;  ///< [1/m^2]: information for less than 30 m of uncertainty is none
+
+/// Rotations in metres at the scene's size.
+PoseVector to_metres(double scale) {
+  PoseVector out;
+  out << scale, scale, scale, 1.0, 1.0, 1.0;
+  return out;
+}
+
+/// Information about the pose in metres.
+PoseMatrix in_metres(const PoseMatrix& information, double scale) {
+  const PoseVector inverse = to_metres(scale).cwiseInverse();
+  return inverse.asDiagonal() * information * inverse.asDiagonal();
+}
+
+PoseMatrix feigned_in_metres(const PoseMatrix& feigned, double scale) {
+  return in_metres(feigned, scale) + kLeastFeigned * PoseMatrix::Identity();
+}
+
+/// Probability that the true ratio is above `floor`, where one of `ratio` was found on so many planes.
+double probability_above(double floor, double ratio, double planes) {
+  if (ratio <= 0.0) return 0.0;
+  return 0.5 * std::erfc(-std::sqrt(0.5 * planes) * (1.0 - floor / ratio));
+}
+
+}  // namespace
+
+PoseMatrix support_directions(const PoseMatrix& information, const PoseMatrix& feigned, double scale) {
+  const Eigen::LLT<PoseMatrix> root(feigned_in_metres(feigned, scale));
+  PoseMatrix ratio = root.matrixL().solve(in_metres(information, scale));
+  ratio = root.matrixL().solve(ratio.transpose().eval());
+  const Eigen::SelfAdjointEigenSolver<PoseMatrix> solver(0.5 * (ratio + ratio.transpose()));
+  PoseMatrix directions = root.matrixL().transpose().solve(solver.eigenvectors());
+  directions.colwise().normalize();
+  return directions;
+}
+
+Localizability judge_localizability(const PoseMatrix& information, const PoseMatrix& feigned,
+                                    const PoseMatrix& directions, const PoseVector& squares, double scale,
                                     double floor) {
-  PoseVector to_metres;  // x_metres = x / to_metres for the rotation's components
-  to_metres << PoseVector::Constant(1.0 / scale).head<3>(), 1.0, 1.0, 1.0;
-  const PoseMatrix scaled = to_metres.asDiagonal() * information * to_metres.asDiagonal();
-  const PoseMatrix scaled_feigned = to_metres.asDiagonal() * feigned * to_metres.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<PoseMatrix> solver(scaled);
-
+  const PoseMatrix all = in_metres(information, scale), noise = feigned_in_metres(feigned, scale);
   Localizability out;
   out.scale = scale;
-  out.directions = solver.eigenvectors();
+  out.directions = directions;
   for (int k = 0; k < 6; ++k) {
-    const PoseVector direction = out.directions.col(k);
-    const double found = solver.eigenvalues()[k];
-    const double false_part = floor * direction.dot(scaled_feigned * direction);
-    out.support[k] = found > 0.0 ? std::max(0.0, 1.0 - false_part / found) : 0.0;
+    const PoseVector x = directions.col(k);
+    const double found = x.dot(all * x), ratio = found / x.dot(noise * x);
+    const double planes = squares[k] > 0.0 ? found * found / squares[k] : 1e12;
+    out.probability[k] = probability_above(floor, ratio, planes);
+    const double enough = std::min(1.0, planes / kEnoughPlanes);
+    out.support[k] = ratio > 1.0 ? out.probability[k] * (1.0 - 1.0 / ratio) * enough * enough : 0.0;
   }
   return out;
 }
 
+Localizability judge_localizability(const PoseMatrix& information, const PoseMatrix& feigned, double scale,
+                                    double floor) {
+  return judge_localizability(information, feigned, support_directions(information, feigned, scale), PoseVector::Zero(),
+                              scale, floor);
+}
+
 PoseMatrix support_factor(const Localizability& localizability) {
-  PoseVector to_radians;
-  to_radians << PoseVector::Constant(localizability.scale).head<3>(), 1.0, 1.0, 1.0;
-  const PoseMatrix weighed = localizability.directions * localizability.support.cwiseSqrt().asDiagonal() *
-                             localizability.directions.transpose();
-  return to_radians.asDiagonal() * weighed * to_radians.cwiseInverse().asDiagonal();
+  const PoseVector scale = to_metres(localizability.scale);
+  const PoseMatrix& x = localizability.directions;
+  const PoseMatrix weigh =
+      x.transpose().partialPivLu().solve(PoseMatrix(localizability.support.asDiagonal() * x.transpose()));
+  return scale.asDiagonal() * weigh * scale.cwiseInverse().asDiagonal();
 }
 
 }  // namespace allan_lio

@@ -27,10 +27,13 @@ LioResult Odometry::Impl::process(Scan scan) {
   }
 
   if (may_stand_still()) settle_standstill();
-  const UpdateReport report = iterated_update(registered_points_, *map_, config_, residuals_, state_, covariance_);
+  const double seconds = seconds_between(updated_at_, state_.nav.stamp);
+  const UpdateReport report =
+      iterated_update(registered_points_, *map_, config_, seconds, residuals_, state_, belief_, absolute_);
   describe(report, result);
   if (!report.applied) return finish(settle_unmatched(), std::move(scan), result);
 
+  updated_at_ = state_.nav.stamp;
   unmatched_in_a_row_ = 0;
   map_proven_ = true;
   if (config_.estimate_extrinsics) {  // the points lie elsewhere now

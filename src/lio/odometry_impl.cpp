@@ -55,19 +55,23 @@ ImuNoise Odometry::Impl::noise_between(const ImuSample& from, const ImuSample& t
 }
 
 void Odometry::Impl::bridge(double gap) {
-  auto variance = covariance_.diagonal();
-  variance.segment<3>(kVelocity).array() += square(config_.init.velocity_sigma);
-  variance.segment<3>(kPosition).array() += square(config_.init.velocity_sigma * gap);
-  variance.segment<3>(kTheta).array() += square(std::min(kUnknownRate * gap, 1.0));
+  LioVector variance = LioVector::Zero();
+  variance.segment<3>(kVelocity).setConstant(square(config_.init.velocity_sigma));
+  variance.segment<3>(kPosition).setConstant(square(config_.init.velocity_sigma * gap));
+  variance.segment<3>(kTheta).setConstant(square(std::min(kUnknownRate * gap, 1.0)));
+  belief_.covariance.diagonal() += variance;
+  absolute_.add(variance.asDiagonal());
 }
 
-void Odometry::Impl::propagate_covariance(const DiscreteModel& model) {
-  auto nav = covariance_.topLeftCorner<kNavDof, kNavDof>();
-  const NavMatrix carried = model.phi * nav * model.phi.transpose() + model.q;
-  nav = 0.5 * (carried + carried.transpose());
-  if (!config_.estimate_extrinsics) return;
-  covariance_.topRightCorner<kNavDof, 6>() = model.phi * covariance_.topRightCorner<kNavDof, 6>().eval();
-  covariance_.bottomLeftCorner<6, kNavDof>() = covariance_.topRightCorner<kNavDof, 6>().transpose();
+void Odometry::Impl::propagate_covariance(const NavMatrix& transition, const NavMatrix& noise) {
+  LioMatrix phi = LioMatrix::Identity(), q = LioMatrix::Zero();
+  phi.topLeftCorner<kNavDof, kNavDof>() = transition;
+  q.topLeftCorner<kNavDof, kNavDof>() = noise;
+  const LioMatrix carried = phi * belief_.covariance * phi.transpose() + q;
+  belief_.covariance = 0.5 * (carried + carried.transpose());
+  belief_.view.cross = (phi * belief_.view.cross).eval();
+  absolute_.transform(phi);
+  absolute_.add(q);
 }
 
 std::vector<TrackSegment> Odometry::Impl::propagate_to(TimeNs t) {
@@ -76,15 +80,20 @@ std::vector<TrackSegment> Odometry::Impl::propagate_to(TimeNs t) {
   for (ImuSample& sample : samples) sample.accel *= accel_scale_;
   std::vector<TrackSegment> track;
   track.reserve(samples.size());
+  NavMatrix transition = NavMatrix::Identity(), noise = NavMatrix::Zero();
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
     const ImuInterval interval = mean_interval(state_.nav, samples[i], samples[i + 1]);
     track.push_back({state_.nav, interval});
-    if (interval.dt > 0)  // a first scan without duration begins and ends at the state
-      propagate_covariance(
-          discretize(state_.nav, interval, noise_between(samples[i], samples[i + 1]), config_.imu.discretization));
+    if (interval.dt > 0) {  // a first scan without duration begins and ends at the state
+      const DiscreteModel model =
+          discretize(state_.nav, interval, noise_between(samples[i], samples[i + 1]), config_.imu.discretization);
+      transition = (model.phi * transition).eval();
+      noise = (model.phi * noise * model.phi.transpose() + model.q).eval();
+    }
     state_.nav = propagate_mean(state_.nav, interval, noise_);
     state_.nav.stamp = samples[i + 1].stamp;
   }
+  propagate_covariance(transition, noise);
   if (gap > kCountedGap) ++counters_.imu_gaps;
   if (gap > config_.imu.max_gap) bridge(gap);
   gyro_ = samples.back().gyro - state_.nav.gyro_bias;
@@ -118,7 +127,8 @@ void Odometry::Impl::insert_scan() {
   world_points_.resize(inserted_points_.size());
   for (std::size_t i = 0; i < inserted_points_.size(); ++i)
     world_points_[i] = rotation * inserted_points_[i].cast<double>() + T_world_imu.translation;
-  map_->insert(world_points_, T_world_imu * state_.T_imu_lidar.translation);
+  const std::uint32_t epoch = absolute_.remember(state_, config_.estimate_extrinsics);
+  map_->insert(world_points_, T_world_imu * state_.T_imu_lidar.translation, epoch);
   inserted_at_ = T_world_imu;
 }
 
@@ -136,6 +146,7 @@ ScanOutcome Odometry::Impl::settle_unmatched() {
     map_->clear();
     map_proven_ = false;
     anchor_pose();
+    absolute_.forget_map();
     insert_scan();
     unmatched_in_a_row_ = 0;
     return ScanOutcome::kMapRestarted;
@@ -162,7 +173,7 @@ void Odometry::Impl::describe(const UpdateReport& report, LioResult& result) {
 LioResult Odometry::Impl::finish(ScanOutcome outcome, Scan scan, LioResult result) {
   result.outcome = outcome;
   result.state = state_;
-  result.covariance = covariance_;
+  result.covariance = absolute_.state();
   result.gyro = gyro_;
   if (outcome == ScanOutcome::kTooFewPoints) ++counters_.scans_too_few_points;
   if (outcome == ScanOutcome::kTooFewMatches) ++counters_.scans_too_few_matches;

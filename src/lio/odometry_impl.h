@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "allan_lio/lidar/deskew.h"
-#include "allan_lio/lidar/voxel_downsample.h"
+#include "allan_lio/lidar/scan_downsample.h"
 #include "allan_lio/lio/iterated_update.h"
 #include "allan_lio/lio/odometry.h"
 #include "allan_lio/lio/synchronizer.h"
@@ -31,7 +31,8 @@ class Odometry::Impl {
   /// Moves state and covariance to `t`; returns the motion in between.
   std::vector<TrackSegment> propagate_to(TimeNs t);
   ImuNoise noise_between(const ImuSample& from, const ImuSample& to);
-  void propagate_covariance(const DiscreteModel& model);
+  /// Over the whole of an interval.
+  void propagate_covariance(const NavMatrix& transition, const NavMatrix& noise);
   /// After a gap [s] that the IMU's mean readings cannot span: adds what may have happened in it.
   void bridge(double gap);
 
@@ -78,7 +79,7 @@ class Odometry::Impl {
   ImuNoise noise_;
   LioCounters counters_;
   Synchronizer synchronizer_;
-  VoxelDownsampler downsampler_;
+  ScanDownsampler downsampler_;
   std::unique_ptr<VoxelMap> map_;
   TaskPool pool_;
   PointToPlane residuals_;
@@ -90,7 +91,9 @@ class Odometry::Impl {
   RigidTransform first_pose_;  ///< T_world_imu where the map was founded
   double accel_scale_ = 1.0;
   LioState state_;
-  LioMatrix covariance_ = LioMatrix::Zero();
+  Belief belief_;
+  AbsoluteCovariance absolute_;
+  TimeNs updated_at_ = 0;                           ///< stamp of the last update
   Eigen::Vector3d gyro_ = Eigen::Vector3d::Zero();  ///< at the state's stamp, bias off [rad/s]
   int scans_processed_ = 0;
   int unmatched_in_a_row_ = 0;

@@ -51,10 +51,12 @@ bool Odometry::Impl::initialize_from_imu() {
   const InitialState initial = initialize(record, quiet_start_, config_.imu.spec, noise_, options);
   state_.nav = initial.state;
   state_.nav.stamp = start;
-  covariance_.topLeftCorner<kNavDof, kNavDof>() = initial.covariance;
+  belief_.covariance.topLeftCorner<kNavDof, kNavDof>() = initial.covariance;
   if (config_.estimate_extrinsics) {
-    covariance_.diagonal().segment<3>(kExtrinsicRotation).setConstant(square(config_.extrinsic_rotation_sigma));
-    covariance_.diagonal().segment<3>(kExtrinsicTranslation).setConstant(square(config_.extrinsic_translation_sigma));
+    belief_.covariance.diagonal().segment<3>(kExtrinsicRotation).setConstant(square(config_.extrinsic_rotation_sigma));
+    belief_.covariance.diagonal()
+        .segment<3>(kExtrinsicTranslation)
+        .setConstant(square(config_.extrinsic_translation_sigma));
   }
   initialized_ = true;
   return true;
@@ -71,13 +73,14 @@ void Odometry::Impl::make_first_pose() {
   turned.block<3, 3>(kVelocity, kVelocity) = turn_matrix;
   turned.block<2, 2>(kGravity, kGravity) =
       s2_basis(turn * nav.gravity_world).transpose() * turn_matrix * s2_basis(nav.gravity_world);
-  covariance_ = turned * covariance_ * turned.transpose();
+  belief_.covariance = turned * belief_.covariance * turned.transpose();
   nav.T_world_imu.rotation = (turn * nav.T_world_imu.rotation).normalized();
   nav.T_world_imu.translation.setZero();
   nav.velocity_world = turn * nav.velocity_world;
   nav.gravity_world = turn * nav.gravity_world;
   first_pose_ = nav.T_world_imu;
   anchor_pose();
+  absolute_.reset(belief_.covariance);
 }
 
 void Odometry::Impl::anchor_pose() {
@@ -86,9 +89,10 @@ void Odometry::Impl::anchor_pose() {
   LioMatrix turn = LioMatrix::Identity();
   turn.block<3, 3>(kVelocity, kTheta) = skew(state_.nav.velocity_world) * rotation;
   turn.block<2, 3>(kGravity, kTheta) = -s2_basis(state_.nav.gravity_world).transpose() * rotation;
-  covariance_ = turn * covariance_ * turn.transpose();
-  covariance_.topRows<6>().setZero();
-  covariance_.leftCols<6>().setZero();
+  belief_.covariance = turn * belief_.covariance * turn.transpose();
+  belief_.view = ViewError{};
+  belief_.covariance.topRows<6>().setZero();
+  belief_.covariance.leftCols<6>().setZero();
   if (config_.estimate_extrinsics) anchor_lidar_pose();
 }
 
@@ -101,14 +105,15 @@ void Odometry::Impl::anchor_lidar_pose() {
   turn.block<3, 6>(kVelocity, kExtrinsicRotation) = -skew(state_.nav.velocity_world) * rotation * pose.topRows<3>();
   turn.block<2, 6>(kGravity, kExtrinsicRotation) =
       s2_basis(state_.nav.gravity_world).transpose() * rotation * pose.topRows<3>();
-  covariance_ = turn * covariance_ * turn.transpose();
+  belief_.covariance = turn * belief_.covariance * turn.transpose();
 }
 
 void Odometry::Impl::settle_standstill() {
   LioState start = state_;
   start.nav.T_world_imu = first_pose_;
-  if (!contradicts_standstill(registered_points_, start, *map_, residual_options(config_), residuals_))
-    update_zero_velocity(config_.init.still_velocity_sigma, state_, covariance_);
+  if (contradicts_standstill(registered_points_, start, *map_, residual_options(config_), residuals_)) return;
+  update_zero_velocity(config_.init.still_velocity_sigma, state_, belief_.covariance);
+  absolute_.reset(belief_.covariance);  // of the map there is one scan, from a pose without error
 }
 
 bool Odometry::Impl::is_distorted(const Scan& scan, const Eigen::Vector3d& predicted_velocity) const {
@@ -133,6 +138,7 @@ void Odometry::Impl::found_map_again(const Scan& scan, std::vector<TrackSegment>
   deskew_points(scan);
   map_->clear();
   anchor_pose();
+  absolute_.reset(belief_.covariance);
 }
 
 }  // namespace allan_lio

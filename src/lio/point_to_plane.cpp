@@ -10,11 +10,9 @@
 namespace allan_lio {
 namespace {
 
-using PoseVector6 = Eigen::Matrix<double, 6, 1>;
-
 /// Derivative of n^T (R q + p) along `direction` = n: [q x R^T n; n].
-PoseVector6 pose_row(const Eigen::Vector3d& q, const Eigen::Matrix3d& back, const Eigen::Vector3d& direction) {
-  PoseVector6 row;
+PoseVector pose_row(const Eigen::Vector3d& q, const Eigen::Matrix3d& back, const Eigen::Vector3d& direction) {
+  PoseVector row;
   row << q.cross(back * direction), direction;
   return row;
 }
@@ -23,10 +21,10 @@ PoseVector6 pose_row(const Eigen::Vector3d& q, const Eigen::Matrix3d& back, cons
 struct Context {
   Eigen::Matrix3d rotation, back;
   Eigen::Vector3d translation;
-  Eigen::Matrix<double, 6, 6> pose_covariance;
+  PoseMatrix pose_covariance;
   const ResidualOptions& options;
 
-  Context(const LioState& state, const Eigen::Matrix<double, 6, 6>& covariance, const ResidualOptions& residual_options)
+  Context(const LioState& state, const PoseMatrix& covariance, const ResidualOptions& residual_options)
       : rotation(state.nav.T_world_imu.rotation.toRotationMatrix()),
         back(rotation.transpose()),
         translation(state.nav.T_world_imu.translation),
@@ -34,30 +32,43 @@ struct Context {
         options(residual_options) {}
 };
 
-void add_residual(const Context& context, const Eigen::Vector3d& q, const Plane& plane, double sharing,
-                  NormalEquations& sum) {
+/// Adds to the sums, but the information to its part. Returns the weight, 0 for an outlier.
+double add_residual(const Context& context, const Eigen::Vector3d& q, const Plane& plane, double sharing,
+                    NormalEquations& sum, PoseMatrix& information) {
   const ResidualOptions& options = context.options;
   const Eigen::Vector3d point = context.rotation * q + context.translation;
   const double z = plane.distance(point);
-  const PoseVector6 row = pose_row(q, context.back, plane.normal);
+  const PoseVector row = pose_row(q, context.back, plane.normal);
   ++sum.matched;
-  const double single = std::max(options.range_variance, plane.thickness) + plane.variance_at(point);
+  const double plane_variance = plane.variance_at(point);
+  const double single = std::max(options.range_variance, plane.thickness) + plane_variance;
   const double pose_variance = row.dot(context.pose_covariance * row);
-  if (z * z > options.gate * options.gate * (single + pose_variance)) return;
+  if (z * z > options.gate * options.gate * (single + pose_variance)) return 0.0;
 
   const double variance = single + (sharing - 1.0) * plane.center_variance;
   const double deviations = std::abs(z) / std::sqrt(single);
   const double robust = deviations <= options.robust_scale ? 1.0 : options.robust_scale / deviations;
   const double weight = robust / variance;
-  sum.information.topLeftCorner<6, 6>().noalias() += weight * row * row.transpose();
-  sum.gradient.head<6>() -= weight * z * row;
-  const PoseVector6 lean_1 = pose_row(q, context.back, plane.lean_1);
-  const PoseVector6 lean_2 = pose_row(q, context.back, plane.lean_2);
+  const PoseVector weighed = weight * row;
+  const PoseMatrix product = weighed * row.transpose();
+  information += product;
+  sum.gradient.head<6>() -= z * weighed;
+  sum.plane_scatter += (weight * sharing * plane_variance) * product;
+  const PoseVector lean_1 = pose_row(q, context.back, plane.lean_1);
+  const PoseVector lean_2 = pose_row(q, context.back, plane.lean_2);
   sum.feigned.noalias() += weight * lean_1 * lean_1.transpose();
   sum.feigned.noalias() += weight * lean_2 * lean_2.transpose();
   sum.squared_range += q.squaredNorm();
   sum.squared_distance += z * z;
   ++sum.inliers;
+  return weight;
+}
+
+/// Number of the part that an epoch falls into.
+std::size_t part_of(std::uint32_t epoch, const std::vector<std::uint32_t>& last_epochs) {
+  std::size_t part = 0;
+  while (part + 1 < last_epochs.size() && epoch > last_epochs[part]) ++part;
+  return part;
 }
 
 }  // namespace
@@ -74,8 +85,8 @@ PoseRows lidar_pose_rows(const LioState& state, bool estimate_extrinsics) {
 }
 
 void NormalEquations::spread(const PoseRows& rows) {
-  const Eigen::Matrix<double, 6, 6> pose_information = information.topLeftCorner<6, 6>();
-  const PoseVector6 pose_gradient = gradient.head<6>();
+  const PoseMatrix pose_information = information.topLeftCorner<6, 6>();
+  const PoseVector pose_gradient = gradient.head<6>();
   information = rows.transpose() * pose_information * rows;
   gradient = rows.transpose() * pose_gradient;
 }
@@ -84,6 +95,7 @@ void NormalEquations::add(const NormalEquations& other) {
   information += other.information;
   gradient += other.gradient;
   feigned += other.feigned;
+  plane_scatter += other.plane_scatter;
   squared_range += other.squared_range;
   squared_distance += other.squared_distance;
   matched += other.matched;
@@ -111,23 +123,44 @@ void PointToPlane::count_groups() {
 }
 
 NormalEquations PointToPlane::linearize(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
-                                        const Eigen::Matrix<double, 6, 6>& pose_covariance, const VoxelMap& map,
-                                        const ResidualOptions& options) {
+                                        const PoseMatrix& pose_covariance, const VoxelMap& map,
+                                        const ResidualOptions& options, const std::vector<std::uint32_t>& last_epochs) {
   match(points_imu, state, map);
   count_groups();
   const Context context(state, pose_covariance, options);
-  blocks_.assign(TaskPool::blocks(points_imu.size()), NormalEquations{});
+  const std::size_t blocks = TaskPool::blocks(points_imu.size()), parts = std::max<std::size_t>(1, last_epochs.size());
+  weights_.assign(points_imu.size(), 0.0);
+  blocks_.assign(blocks, NormalEquations{});
+  block_parts_.assign(blocks * parts, PoseMatrix::Zero());
   pool_.run(points_imu.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (!planes_[i]) continue;
       const double sharing = planes_[i]->group == Plane::kNoGroup ? 1.0 : shared_[planes_[i]->group];
-      add_residual(context, points_imu[i].cast<double>(), *planes_[i], sharing, blocks_[block]);
+      weights_[i] = add_residual(context, points_imu[i].cast<double>(), *planes_[i], sharing, blocks_[block],
+                                 block_parts_[block * parts + part_of(planes_[i]->epoch, last_epochs)]);
     }
   });
   NormalEquations total;
   for (const NormalEquations& block : blocks_) total.add(block);
+  parts_.assign(parts, PoseMatrix::Zero());
+  for (std::size_t i = 0; i < block_parts_.size(); ++i) parts_[i % parts] += block_parts_[i];
+  for (const PoseMatrix& part : parts_) total.information.topLeftCorner<6, 6>() += part;
   total.spread(lidar_pose_rows(state, options.estimate_extrinsics));
   return total;
+}
+
+PoseVector PointToPlane::squares_along(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
+                                       const PoseMatrix& directions) const {
+  const Eigen::Matrix3d back = state.nav.T_world_imu.rotation.toRotationMatrix().transpose();
+  PoseVector out = PoseVector::Zero();
+  for (std::size_t i = 0; i < points_imu.size(); ++i) {
+    if (weights_[i] == 0.0) continue;
+    // The m points on a plane add about the same, so the square of their sum is m times the sum of their squares.
+    const double sharing = planes_[i]->group == Plane::kNoGroup ? 1.0 : shared_[planes_[i]->group];
+    const PoseVector along = directions.transpose() * pose_row(points_imu[i].cast<double>(), back, planes_[i]->normal);
+    out += sharing * weights_[i] * weights_[i] * along.cwiseAbs2().cwiseAbs2();
+  }
+  return out;
 }
 
 }  // namespace allan_lio

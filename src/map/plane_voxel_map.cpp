@@ -12,6 +12,7 @@ namespace {
 /// border is seen whole from both sides instead of being cut into two halves of its noise.
 constexpr double kOverlap = 0.1;
 constexpr std::uint32_t kFullAfter = 1000;  ///< points; then the plane is fixed and anchors later visits
+constexpr double kGate = 3.5;               ///< [sigma]; a point farther from the plane is of another surface
 constexpr double kMaxLean = 0.15;           ///< [rad]
 constexpr double kMaxThickness = 0.06;      ///< of the edge
 constexpr double kLeastAspect = 3.0;
@@ -21,7 +22,9 @@ constexpr std::uint32_t kMaxIndependent = 100;
 struct PlaneVoxel {
   VoxelCoordinates coordinates{};
   std::uint32_t fitted_at = 0;  ///< count at the last fit
+  double epochs = 0.0;          ///< sum over the points
   bool is_plane = false;
+  bool is_divided = false;  ///< there is a second voxel at the same place
   bool is_touched = false;
   PlaneSums sums;  ///< about the voxel's center
   Plane plane;
@@ -39,7 +42,8 @@ class PlaneVoxelMap : public VoxelMap {
                 kMaxIndependent},
         store_(options.voxel_size, options.max_mb) {}
 
-  void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor) override {
+  void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor, std::uint32_t epoch) override {
+    epoch_ = epoch;
     for (const Eigen::Vector3d& p : points) {
       if (store_.is_full()) make_room(sensor);
       insert_point(p);
@@ -48,8 +52,15 @@ class PlaneVoxelMap : public VoxelMap {
   }
 
   const Plane* find(const Eigen::Vector3d& point, Plane&) const override {
-    const PlaneVoxel* voxel = store_.find(voxel_of(point, store_.inverse_edge()));
-    return voxel && voxel->is_plane ? &voxel->plane : nullptr;
+    VoxelCoordinates c = voxel_of(point, store_.inverse_edge());
+    const PlaneVoxel* first = store_.find(c);
+    if (!first || !first->is_plane) return nullptr;
+    if (!first->is_divided || belongs(point, first->plane)) return &first->plane;
+    c.second = true;
+    const PlaneVoxel* second = store_.find(c);
+    const bool is_nearer =
+        second && second->is_plane && std::abs(second->plane.distance(point)) < std::abs(first->plane.distance(point));
+    return is_nearer ? &second->plane : &first->plane;
   }
 
   void clear() override { store_.clear(); }
@@ -90,8 +101,15 @@ class PlaneVoxelMap : public VoxelMap {
   void add_to_voxel(const VoxelCoordinates& c, const Eigen::Vector3d& p) {
     const std::uint32_t i = store_.find_or_make(c);
     PlaneVoxel& voxel = store_[i];
+    if (voxel.is_plane && !belongs(p, voxel.plane)) {
+      if (c.second) return;  // a third surface is left out
+      voxel.is_divided = true;
+      add_to_voxel({c.x, c.y, c.z, true}, p);
+      return;
+    }
     if (voxel.sums.count >= kFullAfter) return;
     voxel.sums.add(p - store_.voxel_center(c));
+    voxel.epochs += epoch_;
     if (voxel.is_touched) return;
     voxel.is_touched = true;
     touched_.push_back(i);
@@ -105,12 +123,19 @@ class PlaneVoxelMap : public VoxelMap {
     voxel.fitted_at = voxel.sums.count;
     voxel.is_plane = fit_plane(voxel.sums, store_.voxel_center(voxel.coordinates), limits_, voxel.plane);
     voxel.plane.group = i;
+    voxel.plane.epoch = static_cast<std::uint32_t>(voxel.epochs / voxel.sums.count);
+  }
+
+  static bool belongs(const Eigen::Vector3d& point, const Plane& plane) {
+    const double distance = plane.distance(point);
+    return distance * distance < kGate * kGate * (plane.thickness + plane.variance_at(point));
   }
 
   VoxelMapOptions options_;
   PlaneLimits limits_;
   VoxelStore<PlaneVoxel> store_;
   std::vector<std::uint32_t> touched_;
+  std::uint32_t epoch_ = 0;  ///< of the points that are being inserted
 };
 
 }  // namespace

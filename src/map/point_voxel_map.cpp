@@ -18,6 +18,7 @@ constexpr double kLeastAspect = 1.0;
 struct PointVoxel {
   VoxelCoordinates coordinates{};
   int count = 0;
+  std::uint32_t epoch = 0;            ///< of its first point
   Eigen::Vector3f points[kCapacity];  ///< about the voxel's center [m]
 };
 
@@ -25,9 +26,10 @@ struct PointVoxel {
 struct Nearest {
   double distance[kNearest];
   Eigen::Vector3d offset[kNearest];  ///< from the query [m]
+  std::uint32_t epoch = 0;           ///< of the nearest point's voxel
   int count = 0;
 
-  void offer(double squared, const Eigen::Vector3d& point) {
+  void offer(double squared, const Eigen::Vector3d& point, std::uint32_t point_epoch) {
     if (count == kNearest && squared >= distance[kNearest - 1]) return;
     int i = count < kNearest ? count++ : kNearest - 1;
     for (; i > 0 && distance[i - 1] > squared; --i) {
@@ -36,6 +38,7 @@ struct Nearest {
     }
     distance[i] = squared;
     offset[i] = point;
+    if (i == 0) epoch = point_epoch;
   }
 };
 
@@ -46,7 +49,7 @@ class PointVoxelMap : public VoxelMap {
         limits_{options.range_noise * options.range_noise, kMaxThickness, kMaxLean, kLeastAspect, kNearest, kNearest},
         store_(options.voxel_size, options.max_mb) {}
 
-  void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor) override {
+  void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor, std::uint32_t epoch) override {
     const double least = kSpacing * options_.voxel_size;
     for (const Eigen::Vector3d& p : points) {
       if (store_.is_full()) store_.make_room(sensor, options_.radius);
@@ -58,7 +61,9 @@ class PointVoxelMap : public VoxelMap {
       const bool crowded = std::any_of(voxel.points, voxel.points + voxel.count, [&](const Eigen::Vector3f& q) {
         return (q - local).squaredNorm() < least * least;
       });
-      if (!crowded) voxel.points[voxel.count++] = local;
+      if (crowded) continue;
+      if (voxel.count == 0) voxel.epoch = epoch;
+      voxel.points[voxel.count++] = local;
     }
   }
 
@@ -74,6 +79,7 @@ class PointVoxelMap : public VoxelMap {
     for (const Eigen::Vector3d& offset : nearest.offset) sums.add(offset);
     if (!fit_plane(sums, point, limits_, scratch)) return nullptr;
     scratch.group = Plane::kNoGroup;
+    scratch.epoch = nearest.epoch;
     return &scratch;
   }
 
@@ -94,7 +100,7 @@ class PointVoxelMap : public VoxelMap {
     const Eigen::Vector3d base = store_.voxel_center(voxel.coordinates) - query;
     for (int k = 0; k < voxel.count; ++k) {
       const Eigen::Vector3d offset = base + voxel.points[k].cast<double>();
-      nearest.offer(offset.squaredNorm(), offset);
+      nearest.offer(offset.squaredNorm(), offset, voxel.epoch);
     }
   }
 

@@ -45,6 +45,7 @@ StatePtr to_state_message(const LioResult& result, const LioConfig& config, doub
   message->iterations = static_cast<std::uint32_t>(result.iterations);
   message->residual_rms = result.residual_rms;
   Eigen::Map<PoseVector>(message->support.data()) = result.localizability.support;
+  Eigen::Map<PoseVector>(message->probability.data()) = result.localizability.probability;
   message->k_g = config.imu.scale.k_g;
   message->k_a = config.imu.scale.k_a;
   message->k_gb = config.imu.scale.k_gb;

@@ -66,9 +66,9 @@ TEST(IteratedUpdate, OneStepEqualsTheKalmanUpdateOfALinearProblem) {
   const LioVector expected = -gain * z;
   const LioMatrix expected_covariance = p - gain * h * p;
 
-  const UpdateStep once = solve_step(prior, prior, p, equations);
+  const UpdateStep once = solve_step(prior, prior, Belief{p, {}}, equations);
   EXPECT_LT((once.step - expected).norm(), kRounding * expected.norm());
-  EXPECT_LT((once.covariance - expected_covariance).norm(), kRounding * p.norm());
+  EXPECT_LT((once.posterior.covariance - expected_covariance).norm(), kRounding * p.norm());
 }
 
 TEST(IteratedUpdate, MoreIterationsOfALinearProblemStayAtTheOneStepSolution) {
@@ -84,12 +84,12 @@ TEST(IteratedUpdate, MoreIterationsOfALinearProblemStayAtTheOneStepSolution) {
     return e;
   };
   LioState iterate = prior;
-  const LioVector first = solve_step(prior, prior, p, measure(prior)).step;
+  const LioVector first = solve_step(prior, prior, Belief{p, {}}, measure(prior)).step;
   LioMatrix covariance;
   for (int i = 0; i < 5; ++i) {
-    const UpdateStep step = solve_step(iterate, prior, p, measure(iterate));
+    const UpdateStep step = solve_step(iterate, prior, Belief{p, {}}, measure(iterate));
     iterate = lio_plus(iterate, step.step);
-    covariance = step.covariance;
+    covariance = step.posterior.covariance;
   }
   const LioState once = lio_plus(prior, first);
   EXPECT_LT((iterate.nav.T_world_imu.translation - once.nav.T_world_imu.translation).norm(), 1e-3)
@@ -105,9 +105,9 @@ TEST(IteratedUpdate, AStateWithoutUncertaintyStaysWhereItIs) {
   e.information.setIdentity();
   e.gradient.setOnes();
   const LioState prior = state_at({0, 0, 0}, {0, 0, 0});
-  const UpdateStep step = solve_step(prior, prior, p, e);
+  const UpdateStep step = solve_step(prior, prior, Belief{p, {}}, e);
   EXPECT_EQ(step.step.tail<6>().norm(), 0.0);
-  EXPECT_EQ(step.covariance.bottomRows<6>().norm(), 0.0);
+  EXPECT_EQ(step.posterior.covariance.bottomRows<6>().norm(), 0.0);
   EXPECT_TRUE(step.step.allFinite());
 }
 
@@ -128,7 +128,12 @@ class RegisterToScene : public ::testing::Test {
     const RigidTransform T_imu_world = truth_.T_world_imu.inverse();
     std::vector<Eigen::Vector3f> points;
     for (const Eigen::Vector3d& q : scene(4000, 99, 1.0)) points.push_back((T_imu_world * q).cast<float>());
-    return iterated_update(points, *map, config_, residuals_, state, p);
+    Belief belief{p, {}};
+    AbsoluteCovariance absolute;
+    absolute.reset(p);
+    const UpdateReport report = iterated_update(points, *map, config_, 0.1, residuals_, state, belief, absolute);
+    p = belief.covariance;
+    return report;
   }
 
   NavState truth_ = state_at({0.02, -0.01, 0.03}, {0.10, -0.06, 0.04}).nav;

@@ -4,8 +4,17 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdlib>
+
 namespace allan_lio {
 namespace {
+
+PoseMatrix some_information(unsigned seed) {
+  std::srand(seed);
+  const PoseMatrix root = PoseMatrix::Random();
+  return root * root.transpose() + 0.1 * PoseMatrix::Identity();
+}
 
 TEST(Localizability, ADirectionWithNoMoreThanFeignedInformationGetsNoSupport) {
   PoseMatrix information = PoseMatrix::Identity() * 1e5, feigned = PoseMatrix::Identity() * 10.0;
@@ -13,32 +22,47 @@ TEST(Localizability, ADirectionWithNoMoreThanFeignedInformationGetsNoSupport) {
   const Localizability l = judge_localizability(information, feigned, 5.0, 4.0);
   EXPECT_EQ(l.support[0], 0.0);
   EXPECT_NEAR(std::abs(l.directions(3, 0)), 1.0, 1e-12);
-  for (int k = 1; k < 6; ++k) EXPECT_NEAR(l.support[k], 1.0 - 4.0 * 10.0 / 1e5, 1e-2);
+  for (int k = 1; k < 6; ++k) EXPECT_NEAR(l.support[k], 1.0 - 10.0 / 1e5, 1e-3);
 }
 
-TEST(Localizability, WithoutFloorAllIsKept) {
-  const PoseMatrix information = (PoseVector() << 1, 2, 3, 4, 5, 6).finished().asDiagonal();
-  const Localizability l = judge_localizability(information, PoseMatrix::Identity(), 3.0, 0.0);
-  EXPECT_EQ(l.support, PoseVector(PoseVector::Ones()));
-  EXPECT_LT((support_factor(l) - PoseMatrix::Identity()).norm(), 1e-12);
+TEST(Localizability, TheDirectionThatNoiseAloneTellsIsFoundWhateverTheOthersAre) {
+  // Strong information about everything but one oblique direction, along which there is what noise feigns.
+  const PoseVector unseen = (PoseVector() << 0.02, -0.1, 0.05, 0.6, 0.7, -0.3).finished();
+  const PoseMatrix feigned = 30.0 * some_information(2);
+  const PoseMatrix blind = PoseMatrix::Identity() - unseen * unseen.transpose() / unseen.squaredNorm();
+  const PoseMatrix information = 1e6 * blind * some_information(3) * blind + feigned;
+  const Localizability l = judge_localizability(information, feigned, 1.0, 4.0);
+  EXPECT_NEAR(std::abs(l.directions.col(0).dot(unseen.normalized())), 1.0, 1e-6);
+  EXPECT_LT(l.support[0], 1e-6);
+  EXPECT_GT(l.support[1], 0.99);
+  const PoseMatrix weighed = support_factor(l) * information;
+  EXPECT_LT((weighed * unseen).norm(), 1e-6 * weighed.norm()) << "nothing is left along it";
 }
 
 TEST(Localizability, TheFactorScalesEachDirectionByItsSupport) {
-  PoseMatrix information = PoseMatrix::Identity() * 100.0;
-  information(0, 0) = 4e4;
-  information(0, 4) = information(4, 0) = 50.0;
+  const PoseMatrix information = 100.0 * some_information(4);
   const double scale = 7.0;
-  const Localizability l = judge_localizability(information, PoseMatrix::Identity() * 20.0, scale, 2.0);
-  const PoseMatrix factor = support_factor(l);
-  const PoseMatrix weighed = factor * information * factor.transpose();
-  PoseVector to_metres;
-  to_metres << 1 / scale, 1 / scale, 1 / scale, 1, 1, 1;
-  const PoseMatrix scaled = to_metres.asDiagonal() * weighed * to_metres.asDiagonal();
-  const PoseMatrix original = to_metres.asDiagonal() * information * to_metres.asDiagonal();
+  const Localizability l = judge_localizability(information, 10.0 * some_information(5), scale, 2.0);
+  const PoseMatrix weighed = support_factor(l) * information;
+  EXPECT_LT((weighed - weighed.transpose()).norm(), 1e-9 * weighed.norm());
   for (int k = 0; k < 6; ++k) {
-    const PoseVector v = l.directions.col(k);
-    EXPECT_NEAR(v.dot(scaled * v), l.support[k] * v.dot(original * v), 1e-9);
+    PoseVector v = l.directions.col(k);
+    v.head<3>() /= scale;
+    EXPECT_NEAR(v.dot(weighed * v), l.support[k] * v.dot(information * v), 1e-9 * information.norm());
   }
+}
+
+TEST(Localizability, FewPlanesMakeTheVerdictUncertainAndTheWeightSmall) {
+  const PoseMatrix information = 1e4 * PoseMatrix::Identity(), feigned = 1e3 * PoseMatrix::Identity();
+  const PoseMatrix directions = support_directions(information, feigned, 1.0);
+  const auto judge = [&](double planes) {
+    return judge_localizability(information, feigned, directions, PoseVector::Constant(1e8 / planes), 1.0, 5.0);
+  };
+  EXPECT_NEAR(judge(100).support[0], 0.9, 1e-3) << "1 - 1 / ratio";
+  EXPECT_LT(judge(2).support[0], 0.1);
+  EXPECT_LT(judge(2).probability[0], judge(20).probability[0]);
+  // The ratio is 10 and the floor 5: half a ratio away, with a deviation of ratio / sqrt(planes).
+  EXPECT_NEAR(judge(4).probability[0], 0.8413, 1e-3);
 }
 
 }  // namespace

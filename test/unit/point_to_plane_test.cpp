@@ -17,7 +17,7 @@ using Pose6 = Eigen::Matrix<double, 6, 6>;
 class OnePlaneMap : public VoxelMap {
  public:
   explicit OnePlaneMap(const Plane& plane) : plane_(plane) {}
-  void insert(const std::vector<Eigen::Vector3d>&, const Eigen::Vector3d&) override {}
+  void insert(const std::vector<Eigen::Vector3d>&, const Eigen::Vector3d&, std::uint32_t) override {}
   const Plane* find(const Eigen::Vector3d&, Plane&) const override { return &plane_; }
   void clear() override {}
   std::size_t voxels() const override { return 1; }

@@ -51,6 +51,7 @@ LioResult result(int i) {
   r.residual_rms = 0.01;
   r.outcome = i == 0 ? ScanOutcome::kFirst : ScanOutcome::kUpdated;
   r.localizability.support << 0.0, 0.1, 0.2, 0.3, 0.4, 0.5;
+  r.localizability.probability << 0.5, 0.6, 0.7, 0.8, 0.9, 1.0;
   return r;
 }
 
@@ -107,6 +108,7 @@ TEST_F(RunWriterTest, StatesHaveAColumnForEveryName) {
   EXPECT_EQ(value("inliers"), "400");
   EXPECT_EQ(value("outcome"), "first");
   EXPECT_EQ(std::stod(value("support_5")), 0.5);
+  EXPECT_EQ(std::stod(value("probability_0")), 0.5);
   EXPECT_EQ(std::stod(value("cov_p_xy")), 0.0);
   EXPECT_EQ(std::stod(value("cov_p_xz")), 0.7);
   EXPECT_EQ(std::stod(value("cov_ba_yz")), 0.0);

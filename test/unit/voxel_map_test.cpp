@@ -6,7 +6,6 @@
 
 #include <random>
 
-#include "allan_lio/lidar/voxel_downsample.h"
 #include "scene_points.h"
 
 namespace allan_lio {
@@ -134,18 +133,28 @@ TEST(PlaneFit, RefusesAStripThatIsNarrowerThanItsNoise) {
   EXPECT_FALSE(fit_plane(strip, Eigen::Vector3d::Zero(), {kNoise * kNoise, 0.05, 0.15, 3.0, 6, 100}, plane));
 }
 
-TEST(VoxelDownsampler, KeepsTheFirstPointOfEveryVoxel) {
-  std::vector<ScanPoint> points;
-  for (int i = 0; i < 100; ++i) points.push_back({0.1F * static_cast<float>(i) - 5.0F + 0.05F, 0.05F, 0.05F, 0, i});
-  VoxelDownsampler downsampler;
-  std::vector<std::uint32_t> kept, again;
-  downsampler.select(points, nullptr, 1.0, kept);
-  ASSERT_EQ(kept.size(), 10u);
-  for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_EQ(kept[i], 10 * i);
-  downsampler.select(points, &kept, 2.0, again);
-  EXPECT_EQ(again.size(), 6u);  // voxels -3..2 of edge 2
-  downsampler.select(points, nullptr, 1.0, again);
-  EXPECT_EQ(again, kept);
+TEST(PlaneVoxelMap, TheTwoSidesOfAThinWallAreTwoPlanes) {
+  // A wall of 12 cm inside one voxel: seen from one side first, then from the other.
+  const auto map = make_plane_voxel_map({0.5, 0.01, 50.0, 100.0});
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> along(0.02, 0.48);
+  std::normal_distribution<double> noise(0.0, 0.01);
+  const auto face = [&](double x) {
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < 300; ++i) points.push_back({x + noise(random), along(random), along(random)});
+    return points;
+  };
+  map->insert(face(0.19), {-3, 0.2, 0.2}, 7);
+  map->insert(face(0.31), {4, 0.2, 0.2}, 9);
+  Plane scratch;
+  const Plane* near = map->find({0.20, 0.25, 0.25}, scratch);
+  const Plane* far = map->find({0.30, 0.25, 0.25}, scratch);
+  ASSERT_TRUE(near && far);
+  EXPECT_NEAR(near->center.x(), 0.19, 0.003) << "the other side must not draw it over";
+  EXPECT_NEAR(far->center.x(), 0.31, 0.003);
+  EXPECT_EQ(near->epoch, 7u);
+  EXPECT_EQ(far->epoch, 9u);
+  EXPECT_NE(near->group, far->group);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "allan_lio/lio/lio_config.h"
 #include "allan_lio/lio/lio_result.h"
+#include "allan_lio/lio/map_error.h"
 #include "allan_lio/lio/point_to_plane.h"
 #include "allan_lio/lio/pose_innovation.h"
 
@@ -29,20 +30,29 @@ struct UpdateReport {
   PoseInnovation innovation;  ///< at the prediction
 };
 
+/// What the filter believes of its errors: the state's covariance, and the planes' error in view.
+struct Belief {
+  LioMatrix covariance = LioMatrix::Zero();
+  ViewError view;
+};
+
 /// One step of the iterated EKF: the state that minimises |x (-) prior|^2_P + cost of the residuals, linearised at
 /// `iterate`, as an error about `iterate`; and the covariance about it. In information form for the residuals and
 /// covariance form for the prior, so that a block of P may be zero:
 ///   P+ = P - P E (I + L P_EE)^-1 L E^T P,  d = -J^-1 delta + P E (I + L P_EE)^-1 (g + L E^T J^-1 delta).
+/// The residuals see the pose less the view's error, which is in E and keeps its covariance.
 struct UpdateStep {
   LioVector step;
-  LioMatrix covariance;
+  Belief posterior;
+  Eigen::Matrix<double, kLioDof, 6> gain;  ///< from the pose's gradient to `step`
 };
-UpdateStep solve_step(const LioState& iterate, const LioState& prior, const LioMatrix& prior_covariance,
-                      const NormalEquations& equations);
+UpdateStep solve_step(const LioState& iterate, const LioState& prior, const Belief& belief,
+                      const NormalEquations& equations, bool estimate_extrinsics = true);
 
-/// Registers the points (IMU frame at the scan's end, by the state's extrinsics) to the map: moves state and covariance
-/// to the posterior.
+/// Registers the points (IMU frame at the scan's end, by the state's extrinsics) to the map: moves state, belief and
+/// absolute covariance to the posterior. `seconds`: since the last update.
 UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, const VoxelMap& map,
-                             const LioConfig& config, PointToPlane& residuals, LioState& state, LioMatrix& covariance);
+                             const LioConfig& config, double seconds, PointToPlane& residuals, LioState& state,
+                             Belief& belief, AbsoluteCovariance& absolute);
 
 }  // namespace allan_lio

@@ -46,7 +46,7 @@ struct LioConfig {
     double max_range;        ///< [m]
     double range_noise;      ///< 1 sigma [m]
     double k_r;              ///< multiplier of range_noise
-    double leaf;             ///< voxel edge of the registration's downsampling [m]
+    double leaf;             ///< width of the registration's downsampling cells [m]
     int min_points;          ///< a scan with fewer is not used
   } lidar;
 
@@ -58,7 +58,7 @@ struct LioConfig {
   struct Map {
     MapStructure structure;
     double voxel_size;       ///< [m]
-    double insert_leaf;      ///< voxel edge of the downsampling before insertion [m]
+    double insert_leaf;      ///< width of the cells of the downsampling before insertion [m]
     double insert_distance;  ///< [m]
     double insert_angle;     ///< [rad]
     double radius;           ///< [m]

@@ -10,23 +10,39 @@ using PoseMatrix = Eigen::Matrix<double, 6, 6>;
 using PoseVector = Eigen::Matrix<double, 6, 1>;
 
 /// How far a scan supports the six directions of the pose.
+///
+/// The directions are those in which both the information and the part of it that the normals' noise feigns are
+/// diagonal: a direction with ratio 1 is told by noise alone, whatever its unit. They need not be orthogonal.
 struct Localizability {
+  /// Probability that the scan tells more along the direction than the floor times what noise feigns.
+  PoseVector probability = PoseVector::Ones();
   /// Weight in [0, 1] that the LiDAR gets along each column of `directions`: 0 is left to the IMU.
   PoseVector support = PoseVector::Ones();
-  /// Columns: eigen-directions of the information in (rotation, translation), weakest first, the rotation's
-  /// components scaled by the scene's size so that both read as metres.
+  /// Columns of unit length in (rotation, translation), weakest first, the rotation's components scaled by the scene's
+  /// size so that both read as metres.
   PoseMatrix directions = PoseMatrix::Identity();
   double scale = 1.0;  ///< the scene's size: root mean square range [m]
 };
 
-/// Judges each eigen-direction of the information against what the normals' noise feigns along it:
-/// support = max(0, 1 - floor * feigned / information). A direction whose information is mere noise of the map has
-/// information = feigned and gets none; one that surfaces truly support has thousands of times as much.
+/// The directions to be judged, in (rotation, translation) scaled as in Localizability: generalised eigenvectors of
+/// `information` and `feigned`, which are about the pose in radians and metres.
+PoseMatrix support_directions(const PoseMatrix& information, const PoseMatrix& feigned, double scale);
+
+/// Judges each direction by the ratio of information to what the normals' noise feigns along it (theory section 4;
+/// the idea of a probability is Hatleskog and Alexis', RA-L 2024). `squares` is, by direction, the sum of the squares
+/// of what single planes contribute to the information: information^2 / squares is the number of planes that hold the
+/// direction up, and says how far the ratio can be trusted; 0 stands for very many. The weight is
+///   probability of ratio > floor, times 1 - 1 / ratio, times (planes / 8)^2 where fewer than 8 hold it up.
+Localizability judge_localizability(const PoseMatrix& information, const PoseMatrix& feigned,
+                                    const PoseMatrix& directions, const PoseVector& squares, double scale,
+                                    double floor);
+
+/// The same for very many planes.
 Localizability judge_localizability(const PoseMatrix& information, const PoseMatrix& feigned, double scale,
                                     double floor);
 
-/// The 6 x 6 factor W that weighs the information by the support: information becomes W information W^T
-/// and gradient becomes W W gradient.
+/// The 6 x 6 factor T that weighs by the support: information becomes T information (which is symmetric again) and
+/// gradient becomes T gradient.
 PoseMatrix support_factor(const Localizability& localizability);
 
 }  // namespace allan_lio

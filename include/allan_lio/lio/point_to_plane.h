@@ -37,7 +37,9 @@ struct NormalEquations {
   ResidualVector gradient = ResidualVector::Zero();
   /// What the noise of the planes' normals adds to the information of the pose in expectation, though it tells
   /// nothing: sum of w E[dh dh^T] over the residuals' Jacobians h (theory section 4).
-  Eigen::Matrix<double, 6, 6> feigned = Eigen::Matrix<double, 6, 6>::Zero();
+  PoseMatrix feigned = PoseMatrix::Zero();
+  /// Covariance of the pose's gradient from the planes' own errors, which stay the same from scan to scan.
+  PoseMatrix plane_scatter = PoseMatrix::Zero();
   double squared_range = 0.0;     ///< sum of |q|^2 over the inliers [m^2]
   double squared_distance = 0.0;  ///< sum of z^2 over the inliers [m^2]
   int matched = 0;                ///< points with a plane
@@ -57,9 +59,19 @@ class PointToPlane {
   explicit PointToPlane(TaskPool& pool) : pool_(pool) {}
 
   /// `pose_covariance` (rotation, translation) is that of the points' pose before the update, for the gate.
+  /// `last_epochs`, ascending, divide the planes into parts by their epochs, for information_of_parts().
   NormalEquations linearize(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
-                            const Eigen::Matrix<double, 6, 6>& pose_covariance, const VoxelMap& map,
-                            const ResidualOptions& options);
+                            const PoseMatrix& pose_covariance, const VoxelMap& map, const ResidualOptions& options,
+                            const std::vector<std::uint32_t>& last_epochs = {});
+
+  /// What each part of the planes adds to the information of the pose, in the last linearisation. Planes beyond the
+  /// last epoch belong to the last part.
+  const std::vector<PoseMatrix>& information_of_parts() const { return parts_; }
+
+  /// Sum over the planes of the squares of what each adds to the information along each column of `directions`, in the
+  /// last linearisation, of these points at this state.
+  PoseVector squares_along(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
+                           const PoseMatrix& directions) const;
 
  private:
   void match(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state, const VoxelMap& map);
@@ -69,7 +81,10 @@ class PointToPlane {
   std::vector<const Plane*> planes_;  ///< a point's plane or null
   std::vector<Plane> scratch_;
   std::vector<std::uint32_t> shared_;  ///< by group: points on that plane
+  std::vector<double> weights_;        ///< of the points in the last linearisation; 0: not an inlier
   std::vector<NormalEquations> blocks_;
+  std::vector<PoseMatrix> block_parts_;  ///< part by part for every block
+  std::vector<PoseMatrix> parts_;
 };
 
 }  // namespace allan_lio

@@ -19,6 +19,7 @@ struct Plane {
   double center_variance = 0.0;  ///< variance of the center along the normal [m^2]
   /// Number of the voxel whose plane it is, so that residuals that share its errors are told; kNoGroup: none.
   std::uint32_t group = kNoGroup;
+  std::uint32_t epoch = 0;  ///< of its points, on average; as given to VoxelMap::insert()
   static constexpr std::uint32_t kNoGroup = 0xffffffffU;
 
   double distance(const Eigen::Vector3d& point) const { return normal.dot(point - center); }

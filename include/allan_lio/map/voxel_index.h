@@ -11,6 +11,7 @@ namespace allan_lio {
 
 struct VoxelCoordinates {
   int x, y, z;
+  bool second = false;  ///< of two surfaces in the same cube the one that was made out later
 };
 
 inline VoxelCoordinates voxel_of(const Eigen::Vector3d& point, double inverse_edge) {
@@ -19,11 +20,11 @@ inline VoxelCoordinates voxel_of(const Eigen::Vector3d& point, double inverse_ed
           static_cast<int>(std::floor(point.z() * inverse_edge))};
 }
 
-/// 21 bits a coordinate: unique within +-2^20 voxels of the origin.
+/// 21 bits a coordinate and one for the second surface: unique within +-2^20 voxels of the origin.
 inline std::uint64_t voxel_key(const VoxelCoordinates& c) {
   constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;
   return ((static_cast<std::uint64_t>(c.x) & kMask) << 42) | ((static_cast<std::uint64_t>(c.y) & kMask) << 21) |
-         (static_cast<std::uint64_t>(c.z) & kMask);
+         (static_cast<std::uint64_t>(c.z) & kMask) | (static_cast<std::uint64_t>(c.second) << 63);
 }
 
 /// Finalizer of a 64-bit mix, so that neighbouring voxels spread over the table.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -23,8 +24,10 @@ class VoxelMap {
  public:
   virtual ~VoxelMap() = default;
 
-  /// Adds points [m, world], seen from `sensor` [m, world]; makes room when the map is full.
-  virtual void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor) = 0;
+  /// Adds points [m, world], seen from `sensor` [m, world]; makes room when the map is full. `epoch` marks what they
+  /// make, so that it is known later which planes share an error of placement.
+  virtual void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor,
+                      std::uint32_t epoch = 0) = 0;
 
   /// The plane that a point is to be compared with, or null. It lies in the map or in `scratch`.
   /// Safe to call from several threads.
@@ -38,7 +41,8 @@ class VoxelMap {
   virtual std::vector<Eigen::Vector3d> points() const = 0;
 };
 
-/// One growing plane per voxel: sums of the points, so that a plane's noise falls with every visit.
+/// One growing plane per voxel: sums of the points, so that a plane's noise falls with every visit. Points too far from
+/// the plane make a second one in the same voxel: the other side of a thin wall, or the next wall in a corner.
 std::unique_ptr<VoxelMap> make_plane_voxel_map(const VoxelMapOptions& options);
 
 /// Thinned points per voxel; a plane is fitted to the five nearest at every look-up.

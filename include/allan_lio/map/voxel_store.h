@@ -73,7 +73,7 @@ class VoxelStore {
 
  private:
   static constexpr std::size_t kChunk = 1024;
-  static constexpr std::size_t kMostPerPoint = 8;
+  static constexpr std::size_t kMostPerPoint = 16;
   // A slot of the table is 16 bytes and the table at most four times the voxels; the owner may keep 8 bytes a voxel.
   static constexpr std::size_t kBytesPerVoxel = sizeof(Voxel) + 4 * 16 + 8;
 

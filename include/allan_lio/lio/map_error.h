@@ -1,0 +1,91 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "allan_lio/lio/lio_result.h"
+
+namespace allan_lio {
+
+/// The map's error where the sensor is now, as the filter itself reckons with it: the fit noise of the planes in view.
+/// It stays the same as long as they are in view, so it must not be averaged away over the scans. It is never
+/// corrected, but its covariance with the state is carried (a consider state; Schmidt 1966). In the coordinates of the
+/// pose's error.
+struct ViewError {
+  Eigen::Matrix<double, kLioDof, 6> cross = Eigen::Matrix<double, kLioDof, 6>::Zero();
+  PoseMatrix own = PoseMatrix::Zero();
+
+  /// Over a time in which the view changed: a first-order Gauss-Markov process that keeps `keep` of itself and goes
+  /// towards the covariance `noise`.
+  void change(double keep, const PoseMatrix& noise);
+};
+
+/// A scan's measurement of the pose, as the filter used it.
+struct UsedMeasurement {
+  LioState state;                          ///< where it was linearised
+  Eigen::Matrix<double, kLioDof, 6> gain;  ///< from the weighted gradient to the state
+  PoseMatrix support;                      ///< weighs information and gradient (support_factor)
+  std::vector<PoseMatrix> parts;           ///< unweighed information of the pose, by part of the map
+  PoseMatrix view_noise;                   ///< what ViewError went towards
+  double view_kept;
+};
+
+/// The covariance of the run's error in the world of its first pose, whatever the filter believes.
+///
+/// The filter takes its map for true; that makes it track the surroundings well and is right for what is relative to
+/// them: velocity, tilt, biases. But a plane lies where the pose's error put it when it was made, and this error comes
+/// back with every scan that is registered to it. So this class follows the errors of state and map through the
+/// filter's own gains (covariance analysis of a given filter, Joseph's form; Maybeck 1979, ch. 6; Gelb 1974, ch. 7).
+/// The map's is the pose's error at some earlier times (stochastic clones): planes of about the same epoch share one.
+class AbsoluteCovariance {
+ public:
+  static constexpr int kMaxParts = 8;
+
+  /// As for a run that begins here: the map is about to be founded and has no error.
+  void reset(const LioMatrix& covariance);
+  /// The map starts anew somewhere on the way.
+  void forget_map();
+
+  const LioMatrix& state() const { return state_; }
+  /// The epochs at which the parts of the map end, ascending.
+  std::vector<std::uint32_t> last_epochs() const;
+
+  /// The state's error goes over to T times itself.
+  void transform(const LioMatrix& T);
+  /// Independent errors come on top.
+  void add(const LioMatrix& noise) { state_ += noise; }
+
+  void update(const UsedMeasurement& used, bool estimate_extrinsics);
+
+  /// Points are put into the map at this pose. Returns the epoch to mark them with.
+  std::uint32_t remember(const LioState& state, bool estimate_extrinsics);
+
+ private:
+  static constexpr int kMaxDof = 6 * (1 + kMaxParts);
+  using Own = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxDof, kMaxDof>;
+  using Cross = Eigen::Matrix<double, kLioDof, Eigen::Dynamic, 0, kLioDof, kMaxDof>;
+
+  struct Part {
+    std::uint32_t last_epoch = 0;
+    double epochs = 0.0;
+    Eigen::Vector3d reference = Eigen::Vector3d::Zero();  ///< what the error is about [m]
+  };
+
+  int dof() const { return 6 * (1 + static_cast<int>(parts_.size())); }
+  /// Column of a part's error: rotation [rad] and translation [m] in the world; the view's error comes before them.
+  static int column(std::size_t part) { return 6 * (1 + static_cast<int>(part)); }
+  /// How much the errors of a part and of the next one differ [m^2].
+  double difference(std::size_t first) const;
+  void merge(std::size_t first);
+
+  LioMatrix state_ = LioMatrix::Zero();
+  Cross cross_ = Cross::Zero(kLioDof, 6);
+  Own own_ = Own::Zero(6, 6);
+  std::vector<Part> parts_;
+  std::uint32_t epochs_ = 0;
+};
+
+}  // namespace allan_lio
