@@ -160,7 +160,8 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
   const PoseMatrix pose_covariance = relative_covariance(belief, lidar_pose_rows(state, estimate));
   const std::vector<std::uint32_t> last_epochs = absolute.last_epochs();
   const LioState prior = state;
-  Belief prior_belief = belief;
+  const Belief before = belief;
+  Belief prior_belief = belief;  // the view has changed since
   UsedMeasurement used;
   used.view_kept = std::exp(-seconds / kViewTime);
 
@@ -170,7 +171,10 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
   for (int i = 0; i < config.update.max_iterations; ++i) {
     const auto& points = moved_points(points_imu, iterate, prior, estimate, moved);
     const NormalEquations equations = residuals.linearize(points, iterate, pose_covariance, map, options, last_epochs);
-    if (equations.inliers < kLeastInliers) return UpdateReport{};
+    if (equations.inliers < kLeastInliers) {
+      belief = before;
+      return UpdateReport{};
+    }
     report.localizability = judge(equations, residuals, points, iterate, config.update.support_floor);
     used.support = support_factor(report.localizability);
     if (i == 0) {

@@ -27,8 +27,10 @@ class ScanDownsampler {
     std::uint32_t epoch = 0;
   };
   bool insert(std::uint64_t key);
+  void grow();
 
-  std::vector<Slot> table_;
+  std::vector<Slot> table_;  ///< a power of two, as large as the scans so far needed: it stays in the cache
+  std::size_t used_ = 0;     ///< slots of this epoch
   std::uint32_t epoch_ = 0;
 };
 
