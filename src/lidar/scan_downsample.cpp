@@ -11,11 +11,11 @@
 namespace allan_lio {
 namespace {
 
-constexpr int kCellOffset = 1 << 17;  // makes every cell's number positive: 18 bits a coordinate
+constexpr int kCellOffset = 1 << 17;     // makes every cell's number positive: 18 bits a coordinate
+constexpr float kMostCells = 130000.0F;  // from the middle of a cube's face to its edge
 constexpr int kShellOffset = 64;
 constexpr float kCellsPerLeaf = 1.5F;  // at the inner edge of a shell; at the outer one half of it
-
-constexpr float kNearBorder = 0.1F;  // [m] of a shell's border: several sigma of the range noise
+constexpr float kNearBorder = 0.1F;    // [m] of a shell's border: several sigma of the range noise
 
 float largest_of(const ScanPoint& p) { return std::max(std::max(std::abs(p.x), std::abs(p.y)), std::abs(p.z)); }
 
@@ -37,7 +37,7 @@ float power_of_two(int exponent) {
 /// The cell of a point: its direction, projected onto a cube, in steps of about a leaf at the range of the shell.
 /// A shell spans a factor of two in range (the largest coordinate stands for it).
 std::uint64_t beam_cell(const ScanPoint& p, float largest, int shell, float cells_per_metre) {
-  const float to_cells = std::ceil(cells_per_metre * power_of_two(shell)) / largest;
+  const float to_cells = std::min(std::ceil(cells_per_metre * power_of_two(shell)), kMostCells) / largest;
   const auto part = [&](float x) {
     return static_cast<std::uint64_t>(static_cast<int>(std::floor(x * to_cells)) + kCellOffset);
   };

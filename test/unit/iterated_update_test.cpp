@@ -172,5 +172,47 @@ TEST_F(RegisterToScene, ScansWithoutMatchesLeaveStateAndCovarianceAlone) {
   EXPECT_EQ(p, LioMatrix(LioMatrix::Identity() * 0.01));
 }
 
+/// A map that is lost after so many look-ups.
+class FleetingMap : public VoxelMap {
+ public:
+  explicit FleetingMap(int finds) : left_(finds) {
+    plane_.center = {0, 0, 0};
+    plane_.normal = {0, 0, 1};
+    plane_.lean_1 = {1e-3, 0, 0};
+    plane_.lean_2 = {0, 1e-3, 0};
+    plane_.thickness = 4e-4;
+    plane_.center_variance = 4e-6;
+  }
+  void insert(const std::vector<Eigen::Vector3d>&, const Eigen::Vector3d&, std::uint32_t) override {}
+  const Plane* find(const Eigen::Vector3d&, Plane&) const override { return left_-- > 0 ? &plane_ : nullptr; }
+  void clear() override {}
+  std::size_t voxels() const override { return 1; }
+  std::size_t bytes() const override { return 0; }
+  std::vector<Eigen::Vector3d> points() const override { return {}; }
+
+ private:
+  Plane plane_;
+  mutable int left_;
+};
+
+TEST_F(RegisterToScene, AnUpdateThatLosesItsMatchesOnTheWayChangesNothing) {
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 100; ++i)
+    points.push_back({0.1F * static_cast<float>(i % 10), 0.1F * static_cast<float>(i / 10), 0.05F});
+  const FleetingMap map(100);  // the first iteration's
+  LioState state;
+  Belief belief{0.01 * LioMatrix::Identity(), {}};
+  belief.view.own = 1e-6 * PoseMatrix::Identity();
+  AbsoluteCovariance absolute;
+  absolute.reset(belief.covariance);
+  const Belief before = belief;
+  EXPECT_FALSE(iterated_update(points, map, config_, 0.1, residuals_, state, belief, absolute).applied);
+  EXPECT_EQ(belief.covariance, before.covariance);
+  EXPECT_EQ(belief.view.cross, before.view.cross);
+  EXPECT_EQ(belief.view.own, before.view.own);
+  EXPECT_EQ(absolute.state(), before.covariance);
+  EXPECT_EQ(state.nav.T_world_imu.translation, Eigen::Vector3d::Zero());
+}
+
 }  // namespace
 }  // namespace allan_lio

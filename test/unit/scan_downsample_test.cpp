@@ -32,6 +32,15 @@ TEST(ScanDownsampler, KeepsTheFirstPointOfEveryCellOfDirection) {
   EXPECT_EQ(again, kept) << "nothing is left over from the call before";
 }
 
+TEST(ScanDownsampler, ATinyLeafKeepsEveryPointHoweverFar) {
+  std::vector<ScanPoint> points;
+  for (int i = 0; i < 500; ++i) points.push_back({200.0F, 0.37F * static_cast<float>(i) - 90.0F, -50.0F, 0, i});
+  ScanDownsampler downsampler;
+  std::vector<std::uint32_t> kept;
+  downsampler.select(points, nullptr, 0.001, kept);
+  EXPECT_EQ(kept.size(), points.size());
+}
+
 TEST(ScanDownsampler, NearAndFarPointsOfOneBeamAreBothKept) {
   ScanDownsampler downsampler;
   std::vector<std::uint32_t> kept;
@@ -41,7 +50,7 @@ TEST(ScanDownsampler, NearAndFarPointsOfOneBeamAreBothKept) {
 
 TEST(ScanDownsampler, WhatIsKeptOfANoisyWallLiesOnTheWall) {
   // A wall whose distance is just short of a multiple of the leaf. One point of every cube would keep, from the cubes
-  // behind it, exactly the points that noise has carried there: 10 mm too far on average.
+  // behind it, exactly the points that noise has carried there. It is near a border of the shells, too.
   constexpr double kLeaf = 0.4, kSigma = 0.02, kDistance = 4.0 - 0.03;
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> slope(-0.7, 0.7);

@@ -4,11 +4,12 @@
 
 #include <vector>
 
+#include "allan_lio/lio/absolute_covariance.h"
 #include "allan_lio/lio/lio_config.h"
 #include "allan_lio/lio/lio_result.h"
-#include "allan_lio/lio/map_error.h"
 #include "allan_lio/lio/point_to_plane.h"
 #include "allan_lio/lio/pose_innovation.h"
+#include "allan_lio/lio/view_error.h"
 
 namespace allan_lio {
 
@@ -32,7 +33,7 @@ struct UpdateReport {
 
 /// What the filter believes of its errors: the state's covariance, and the planes' error in view.
 struct Belief {
-  LioMatrix covariance = LioMatrix::Zero();
+  LioMatrix covariance = LioMatrix::Zero();  ///< of the error state, SI units of LioIndex; relative to the map
   ViewError view;
 };
 

@@ -1,6 +1,6 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "allan_lio/lio/map_error.h"
+#include "allan_lio/lio/absolute_covariance.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+
+#include "allan_lio/lio/view_error.h"
 
 namespace allan_lio {
 namespace {

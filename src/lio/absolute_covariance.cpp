@@ -1,6 +1,6 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "allan_lio/lio/map_error.h"
+#include "allan_lio/lio/absolute_covariance.h"
 
 #include <algorithm>
 
@@ -38,11 +38,6 @@ PoseMatrix to_world(const LioState& state) {
 }
 
 }  // namespace
-
-void ViewError::change(double keep, const PoseMatrix& noise) {
-  cross *= keep;
-  own = keep * keep * own + (1.0 - keep * keep) * noise;
-}
 
 void AbsoluteCovariance::reset(const LioMatrix& covariance) {
   state_ = covariance;

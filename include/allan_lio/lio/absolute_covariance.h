@@ -10,27 +10,15 @@
 
 namespace allan_lio {
 
-/// The map's error where the sensor is now, as the filter itself reckons with it: the fit noise of the planes in view.
-/// It stays the same as long as they are in view, so it must not be averaged away over the scans. It is never
-/// corrected, but its covariance with the state is carried (a consider state; Schmidt 1966). In the coordinates of the
-/// pose's error.
-struct ViewError {
-  Eigen::Matrix<double, kLioDof, 6> cross = Eigen::Matrix<double, kLioDof, 6>::Zero();
-  PoseMatrix own = PoseMatrix::Zero();
-
-  /// Over a time in which the view changed: a first-order Gauss-Markov process that keeps `keep` of itself and goes
-  /// towards the covariance `noise`.
-  void change(double keep, const PoseMatrix& noise);
-};
-
 /// A scan's measurement of the pose, as the filter used it.
 struct UsedMeasurement {
-  LioState state;                          ///< where it was linearised
-  Eigen::Matrix<double, kLioDof, 6> gain;  ///< from the weighted gradient to the state
-  PoseMatrix support;                      ///< weighs information and gradient (support_factor)
-  std::vector<PoseMatrix> parts;           ///< unweighed information of the pose, by part of the map
-  PoseMatrix view_noise;                   ///< what ViewError went towards
-  double view_kept;
+  LioState state;  ///< where it was linearised
+  /// From the weighted gradient of the pose (1/rad, 1/m) to the state's error (SI units of LioIndex).
+  Eigen::Matrix<double, kLioDof, 6> gain;
+  PoseMatrix support;             ///< weighs information and gradient (support_factor)
+  std::vector<PoseMatrix> parts;  ///< unweighed information of the pose, by part of the map [1/rad^2, 1/m^2]
+  PoseMatrix view_noise;          ///< covariance that ViewError went towards [rad^2, m^2]
+  double view_kept;               ///< part of itself that ViewError kept
 };
 
 /// The covariance of the run's error in the world of its first pose, whatever the filter believes.
@@ -58,6 +46,10 @@ class AbsoluteCovariance {
   /// Independent errors come on top.
   void add(const LioMatrix& noise) { state_ += noise; }
 
+  /// The filter has moved its state by gain times the weighted gradient of a scan:
+  ///   x+ = x - K (A_x x + A_m m + noise), A_x = T sum_i I_i, A_m = -T (view: sum_i I_i; part i: I_i), cov(noise) = T
+  ///   sum_i I_i T^T
+  /// with K the gain, T the support and I_i the parts.
   void update(const UsedMeasurement& used, bool estimate_extrinsics);
 
   /// Points are put into the map at this pose. Returns the epoch to mark them with.
@@ -70,7 +62,7 @@ class AbsoluteCovariance {
 
   struct Part {
     std::uint32_t last_epoch = 0;
-    double epochs = 0.0;
+    double epochs = 0.0;                                  ///< number of insertions
     Eigen::Vector3d reference = Eigen::Vector3d::Zero();  ///< what the error is about [m]
   };
 
