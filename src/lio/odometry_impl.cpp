@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "allan_lio/math/so3.h"
@@ -102,6 +103,12 @@ std::vector<TrackSegment> Odometry::Impl::propagate_to(TimeNs t) {
 }
 
 void Odometry::Impl::select_points(const Scan& scan) {
+  if (scan.thinned) {
+    inserted_.resize(scan.points.size());
+    std::iota(inserted_.begin(), inserted_.end(), 0U);
+    registered_ = scan.registered;
+    return;
+  }
   downsampler_.select(scan.points, nullptr, config_.map.insert_leaf, inserted_);
   downsampler_.select(scan.points, &inserted_, config_.lidar.leaf, registered_);
 }
@@ -157,7 +164,7 @@ ScanOutcome Odometry::Impl::settle_unmatched() {
 LioResult Odometry::Impl::begin_result(const Scan& scan) const {
   LioResult result;
   result.scan_begin = scan.begin();
-  result.points = static_cast<int>(scan.points.size());
+  result.points = static_cast<int>(scan.points.size() + scan.thinned_away);
   result.registered = static_cast<int>(registered_.size());
   return result;
 }

@@ -39,6 +39,7 @@ PoseInnovation pose_innovation(const PoseMatrix& information, const PoseVector& 
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(root * covariance * root.transpose());
   out.whitened = orthonormal * (solver.operatorInverseSqrt() * (root * y));
   out.nis = out.whitened.squaredNorm();
+  out.log_det = solver.eigenvalues().array().log().sum();
   return out;
 }
 

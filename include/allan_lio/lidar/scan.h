@@ -26,6 +26,11 @@ struct Scan {
   std::uint32_t dropped_invalid = 0;  ///< points that were NaN, inf or exactly zero
   std::uint32_t dropped_range = 0;    ///< points nearer or farther than the limits
 
+  // Set by thin_scan(), whose points are those for the map.
+  bool thinned = false;
+  std::vector<std::uint32_t> registered;  ///< indices of the points for the update
+  std::uint32_t thinned_away = 0;         ///< points that were left out
+
   TimeNs begin() const { return stamp + first_offset_ns; }
   TimeNs end() const { return stamp + last_offset_ns; }
 };

@@ -28,6 +28,7 @@ class Odometry {
 
   /// Samples and scans must each come in the order of time; the two streams may interleave in any way.
   void add_imu(const ImuSample& sample);
+  /// A scan from thin_scan() by the configuration's map.insert_leaf and lidar.leaf gives the same results as the whole.
   void add_scan(Scan scan);
 
   /// Says that no more data comes: the scans that still wait for IMU data are settled by next().

@@ -9,8 +9,9 @@ namespace allan_lio {
 /// A scan's thousand residuals as one measurement of the pose, held against the prediction: y = I^-1 g with the
 /// covariance I^-1 + P, in the directions that the scan supports.
 struct PoseInnovation {
-  int dof = 0;       ///< directions with at least half their weight
-  double nis = 0.0;  ///< normalised innovation squared: chi^2 with `dof` degrees of freedom if the filter is honest
+  int dof = 0;           ///< directions with at least half their weight
+  double nis = 0.0;      ///< normalised innovation squared: chi^2 with `dof` degrees of freedom if the filter is honest
+  double log_det = 0.0;  ///< of its covariance in the supported directions, in metres at the scene's scale [log m^2]
   /// Whitened by the symmetric root, in the axes of (rotation, translation): its square sums to `nis`; nothing along
   /// unsupported directions.
   PoseVector whitened = PoseVector::Zero();
