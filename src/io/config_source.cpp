@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/io/config_source.h"
 
-#include <cstdint>
-
 #include "allan_lio/imu/noise_units.h"
+#include "allan_lio/io/content_hash.h"
 #include "allan_lio/io/noise_keys.h"
 #include "allan_lio/io/parameter_list.h"
 
@@ -36,15 +35,6 @@ ConfigSource to_source(const LioConfig& config) {
   return source;
 }
 
-std::string config_hash(const LioConfig& config) {
-  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a, 64 bits
-  for (const char c : print_config(config)) {
-    hash ^= static_cast<unsigned char>(c);
-    hash *= 0x100000001b3u;
-  }
-  std::string text;
-  for (int shift = 60; shift >= 0; shift -= 4) text += "0123456789abcdef"[(hash >> shift) & 15];
-  return text;
-}
+std::string config_hash(const LioConfig& config) { return hash_text(print_config(config)); }
 
 }  // namespace allan_lio

@@ -1,0 +1,68 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "allan_lio/imu/imu_sample.h"
+#include "allan_lio/io/tum.h"
+#include "allan_lio/lidar/scan.h"
+
+namespace allan_lio {
+
+/// A recording as the odometry needs it, decoded and thinned once for many trials: read only then, so that threads may
+/// share it. Every part lies in one piece; 160 s of a 16-beam LiDAR at 10 Hz take about MEGABYTES MB.
+class PreparedRecord {
+ public:
+  /// Samples and scans in the order in which the messages came. A scan must come from thin_scan().
+  void add(const ImuSample& sample) { imu_.push_back(sample); }
+  void add(const Scan& scan);
+
+  /// The truth, poses of the IMU. Throws std::runtime_error with a sentence unless its positions determine an alignment
+  /// and it holds the time of at least half of the scans, so call it after they are there.
+  void set_reference(Trajectory reference);
+
+  /// Gives back what the vectors hold in reserve. Call it when nothing is to be added any more.
+  void shrink();
+
+  const std::vector<ImuSample>& imu() const { return imu_; }
+  const Trajectory& reference() const { return reference_; }  ///< empty: there is no truth
+  std::size_t scans() const { return scans_.size(); }
+
+  TimeNs scan_begin(std::size_t index) const { return scans_[index].stamp + scans_[index].first_offset_ns; }
+  TimeNs scan_end(std::size_t index) const { return scans_[index].stamp + scans_[index].last_offset_ns; }
+  std::size_t samples_before(std::size_t scan) const { return scans_[scan].samples_before; }  ///< in order of arrival
+
+  /// As it was added, without the intensities.
+  Scan scan(std::size_t index) const;
+
+  double megabytes() const;
+
+  /// 64 bits that tell this content from any other: what is hashed are the samples, scans and poses themselves, so a
+  /// bag that was moved, compressed or merged is the same one and a change of the decoder makes another.
+  std::uint64_t digest() const;
+
+ private:
+  struct Point {
+    float x, y, z;  ///< [m]
+    std::int32_t offset_ns;
+  };
+  struct Entry {
+    TimeNs stamp;
+    std::uint64_t samples_before;
+    std::uint64_t points_end, registered_end;  ///< one past its last in the common vectors
+    std::int32_t first_offset_ns, last_offset_ns;
+    std::uint32_t dropped_invalid, dropped_range, thinned_away;
+  };
+
+  std::vector<ImuSample> imu_;
+  std::vector<Entry> scans_;
+  std::vector<Point> points_;
+  std::vector<std::uint32_t> registered_;
+  Trajectory reference_;
+};
+
+}  // namespace allan_lio

@@ -1,0 +1,110 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/calib/prepared_record.h"
+
+#include <cstring>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+#include "allan_lio/eval/trajectory_error.h"
+#include "allan_lio/math/random_bits.h"
+
+namespace allan_lio {
+namespace {
+
+/// Hashes values one after the other, each scrambled together with what came before.
+class Hasher {
+ public:
+  template <class T>
+  void add(const T& value) {
+    static_assert(std::is_arithmetic<T>::value && sizeof(T) <= sizeof(std::uint64_t), "a number");
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof(value));
+    state_ = hash_bits(state_ ^ bits);
+  }
+  template <class Vector>
+  void add_each(const Vector& values) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) add(values[i]);
+  }
+  std::uint64_t value() const { return state_; }
+
+ private:
+  std::uint64_t state_ = 0;
+};
+
+template <class T>
+double bytes_of(const std::vector<T>& values) {
+  return static_cast<double>(values.capacity() * sizeof(T));
+}
+
+}  // namespace
+
+void PreparedRecord::add(const Scan& scan) {
+  if (!scan.thinned) throw std::invalid_argument("a scan of a prepared record must have been thinned");
+  for (const ScanPoint& p : scan.points) points_.push_back({p.x, p.y, p.z, p.offset_ns});
+  registered_.insert(registered_.end(), scan.registered.begin(), scan.registered.end());
+  scans_.push_back({scan.stamp, imu_.size(), points_.size(), registered_.size(), scan.first_offset_ns,
+                    scan.last_offset_ns, scan.dropped_invalid, scan.dropped_range, scan.thinned_away});
+}
+
+void PreparedRecord::set_reference(Trajectory reference) {
+  Trajectory at_scans;
+  for (std::size_t i = 0; i < scans(); ++i) at_scans.push_back({scan_end(i), {}});
+  const TrajectoryError cover = evaluate_trajectory(reference, at_scans, Alignment::kNone);
+  if (2 * cover.matched < scans())
+    throw std::runtime_error("the truth holds the time of only " + std::to_string(cover.matched) + " of " +
+                             std::to_string(scans()) + " scans");
+  evaluate_trajectory(reference, reference, Alignment::kSe3);  // throws if it cannot be aligned to
+  reference_ = std::move(reference);
+}
+
+void PreparedRecord::shrink() {
+  imu_.shrink_to_fit();
+  scans_.shrink_to_fit();
+  points_.shrink_to_fit();
+  registered_.shrink_to_fit();
+}
+
+Scan PreparedRecord::scan(std::size_t index) const {
+  const Entry& entry = scans_[index];
+  const std::uint64_t first_point = index == 0 ? 0 : scans_[index - 1].points_end;
+  const std::uint64_t first_registered = index == 0 ? 0 : scans_[index - 1].registered_end;
+  Scan scan;
+  scan.thinned = true;
+  scan.stamp = entry.stamp;
+  scan.first_offset_ns = entry.first_offset_ns;
+  scan.last_offset_ns = entry.last_offset_ns;
+  scan.dropped_invalid = entry.dropped_invalid;
+  scan.dropped_range = entry.dropped_range;
+  scan.thinned_away = entry.thinned_away;
+  scan.points.reserve(entry.points_end - first_point);
+  for (std::uint64_t i = first_point; i < entry.points_end; ++i)
+    scan.points.push_back({points_[i].x, points_[i].y, points_[i].z, 0.0F, points_[i].offset_ns});
+  scan.registered.assign(registered_.data() + first_registered, registered_.data() + entry.registered_end);
+  return scan;
+}
+
+double PreparedRecord::megabytes() const {
+  return 1e-6 * (bytes_of(imu_) + bytes_of(scans_) + bytes_of(points_) + bytes_of(registered_) + bytes_of(reference_));
+}
+
+std::uint64_t PreparedRecord::digest() const {
+  Hasher hash;
+  hash.add(imu_.size());
+  for (const ImuSample& s : imu_) hash.add(s.stamp), hash.add_each(s.gyro), hash.add_each(s.accel);
+  hash.add(scans_.size());
+  for (const Entry& e : scans_) {
+    hash.add(e.stamp), hash.add(e.samples_before), hash.add(e.points_end), hash.add(e.registered_end);
+    hash.add(e.first_offset_ns), hash.add(e.last_offset_ns);
+    hash.add(e.dropped_invalid), hash.add(e.dropped_range), hash.add(e.thinned_away);
+  }
+  for (const Point& p : points_) hash.add(p.x), hash.add(p.y), hash.add(p.z), hash.add(p.offset_ns);
+  for (const std::uint32_t index : registered_) hash.add(index);
+  hash.add(reference_.size());
+  for (const StampedPose& p : reference_)
+    hash.add(p.stamp), hash.add_each(p.pose.translation), hash.add_each(p.pose.rotation.coeffs());
+  return hash.value();
+}
+
+}  // namespace allan_lio
