@@ -67,7 +67,7 @@ void SlurmQueue::submit(const std::string& script, const std::vector<std::size_t
 
 bool SlurmQueue::list(std::set<std::size_t>* tasks, std::string* trouble) const {
   const std::string name = shell_quoted(job_name_);
-  const CommandOutcome outcome = run_shell("squeue --noheader --array --name=" + name + " --format='task %K %A %r'");
+  const CommandOutcome outcome = run_shell("squeue --noheader --array --name=" + name + " --format='task %K %F_%K %r'");
   *trouble = outcome.text;
   if (outcome.status != 0) return false;
   std::istringstream lines(outcome.text);

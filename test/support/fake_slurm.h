@@ -75,13 +75,13 @@ echo 77
   static constexpr const char* kSqueue = R"sh(
 if [ -e $F/squeue_fails ]; then echo "slurm_load_jobs error: Unable to contact slurm controller" >&2; exit 1; fi
 cd $F/queue
-for n in *; do [ -e $n ] && echo "task $n 10$n $(cat $n)"; done
+for n in *; do [ -e $n ] && echo "task $n 10_$n $(cat $n)"; done
 echo "squeue: a warning" >&2
 exit 0
 )sh";
   static constexpr const char* kScancel = R"sh(
 echo "scancel $*" >>$F/calls
-case $1 in --name=*) touch $F/cancelled; rm -f $F/queue/*;; 10*) rm -f $F/queue/${1#10};; esac
+case $1 in --name=*) touch $F/cancelled; rm -f $F/queue/*;; 10_*) rm -f $F/queue/${1#10_};; esac
 )sh";
 
   void write(const std::string& name, const std::string& body) const {

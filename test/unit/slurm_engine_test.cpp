@@ -96,7 +96,7 @@ TEST_F(SlurmEngine, TakesATaskOutOfAHoldThatSlurmWouldKeepForEver) {
   fake.set("hold_1");
   const std::vector<NoiseTrial> trials = different_trials(6);
   expect_echo(make_slurm_engine(options)(trials), trials);
-  EXPECT_NE(contents_of(fake.state("calls")).find("scancel 101"), std::string::npos);
+  EXPECT_NE(contents_of(fake.state("calls")).find("scancel 10_1"), std::string::npos);
 }
 
 TEST_F(SlurmEngine, NamesTheTaskThatFailsInAllAttemptsAndWhatItsLogSays) {
@@ -114,7 +114,8 @@ TEST_F(SlurmEngine, NamesTheTaskThatFailsInAllAttemptsAndWhatItsLogSays) {
 }
 
 TEST_F(SlurmEngine, CancelsTheJobWhenItIsStopped) {
-  options.worker = "while [ ! -e " + fake.state("cancelled") + " ]; do sleep 0.02; done";
+  options.worker =
+      "while [ -d " + fake.state("queue") + " ] && [ ! -e " + fake.state("cancelled") + " ]; do sleep 0.02; done";
   std::atomic<bool> stop{false};
   options.stop = &stop;
   options.poll_interval = 1000.0;  // not waited for
