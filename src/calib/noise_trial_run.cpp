@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "allan_lio/calib/run_perturbation.h"
 #include "allan_lio/eval/trajectory_error.h"
@@ -82,6 +84,66 @@ class Score {
   Trajectory estimate_;
 };
 
+/// The odometry on a record, fed in the order of the messages.
+class Run {
+ public:
+  using OnResult = std::function<void(const LioResult&)>;
+
+  Run(const PreparedRecord& record, const LioConfig& config, const RunPerturbation& perturbation,
+      const OnResult& on_result)
+      : record_(record),
+        leaf_(config.lidar.leaf),
+        perturbation_(perturbation),
+        on_result_(on_result),
+        odometry_(config),
+        score_(record.reference()) {}
+
+  TrialResult to_its_end() {
+    std::uint64_t scans = 0;
+    for (std::size_t i = 0; i < record_.scans(); ++i) {
+      if (!perturbation_.keeps_scan(i, seconds_between(record_.scan_begin(0), record_.scan_begin(i)))) continue;
+      ++scans;
+      if (!score_.diverged()) feed(i);
+    }
+    if (!score_.diverged()) feed_samples(record_.imu().size());
+    odometry_.end_of_data();
+    take_results();
+    return score_.finish(odometry_.counters(), scans);
+  }
+
+ private:
+  void feed(std::size_t index) {
+    feed_samples(record_.samples_before(index));
+    Scan scan = record_.scan(index);
+    perturbation_.apply(index, leaf_, downsampler_, scan);
+    odometry_.add_scan(std::move(scan));
+    take_results();
+  }
+
+  void feed_samples(std::size_t until) {
+    for (; next_sample_ < until; ++next_sample_)
+      if (perturbation_.keeps_sample(next_sample_)) odometry_.add_imu(record_.imu()[next_sample_]);
+  }
+
+  void take_results() {
+    while (!score_.diverged()) {
+      const std::optional<LioResult> result = odometry_.next();
+      if (!result) return;
+      score_.add(*result);
+      if (on_result_) on_result_(*result);
+    }
+  }
+
+  const PreparedRecord& record_;
+  const double leaf_;  ///< [m]
+  const RunPerturbation& perturbation_;
+  const OnResult& on_result_;
+  Odometry odometry_;
+  Score score_;
+  ScanDownsampler downsampler_;
+  std::size_t next_sample_ = 0;
+};
+
 }  // namespace
 
 LioConfig with_setting(LioConfig config, const NoiseSetting& setting) {
@@ -98,40 +160,10 @@ TrialResult run_trial(const PreparedRecord& record, const LioConfig& config, con
 TrialResult run_trial(const PreparedRecord& record, std::uint64_t digest, const LioConfig& config,
                       const NoiseTrial& trial, std::uint64_t seed,
                       const std::function<void(const LioResult&)>& on_result) {
-  LioConfig trial_config = with_setting(config, trial.setting);
-  trial_config.threads = 1;
+  LioConfig on_one_thread = with_setting(config, trial.setting);
+  on_one_thread.threads = 1;
   const RunPerturbation perturbation(seed, digest, trial.run);
-  Odometry odometry(trial_config);
-  ScanDownsampler downsampler;
-  Score score(record.reference());
-  std::uint64_t fed = 0;
-  std::size_t sample = 0;
-  const auto feed_samples = [&](std::size_t until) {
-    for (; sample < until; ++sample)
-      if (perturbation.keeps_sample(sample)) odometry.add_imu(record.imu()[sample]);
-  };
-  const auto take_results = [&] {
-    while (!score.diverged()) {
-      const std::optional<LioResult> result = odometry.next();
-      if (!result) return;
-      score.add(*result);
-      if (on_result) on_result(*result);
-    }
-  };
-  for (std::size_t i = 0; i < record.scans(); ++i) {
-    if (!perturbation.keeps_scan(i, seconds_between(record.scan_begin(0), record.scan_begin(i)))) continue;
-    ++fed;
-    if (score.diverged()) continue;
-    feed_samples(record.samples_before(i));
-    Scan scan = record.scan(i);
-    perturbation.apply(i, config.lidar.leaf, downsampler, scan);
-    odometry.add_scan(std::move(scan));
-    take_results();
-  }
-  feed_samples(record.imu().size());
-  odometry.end_of_data();
-  take_results();
-  return score.finish(odometry.counters(), fed);
+  return Run(record, on_one_thread, perturbation, on_result).to_its_end();
 }
 
 }  // namespace allan_lio

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/ros/lio_session.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <exception>
@@ -17,10 +16,6 @@ namespace {
 /// Clouds in a row that may fail before the run is given up.
 constexpr std::uint64_t kHopelessClouds = 50;
 
-/// Stamps that lie back by more than this are of a new recording, if so many samples in a row say so; else they are
-/// late or damaged, and the estimator drops them.
-constexpr TimeNs kBackInTime = 1 * kNsPerSecond;
-constexpr int kSamplesBackInTime = 10;
 constexpr std::uint64_t kRateSamples = 100;  // that the IMU's rate is told from
 constexpr double kLongestInterval = 0.1;     // [s] between IMU samples; longer is a gap
 
@@ -64,39 +59,33 @@ LioSession::~LioSession() {
 
 void LioSession::add(const sensor_msgs::Imu& message) {
   const ImuSample sample = to_imu_sample(message);
-  if (is_new_recording(sample.stamp)) restart(sample.stamp);
-  const double step = seconds_between(newest_imu_, sample.stamp);
+  TimeNs before = watch_.newest();
+  if (watch_.begins_anew(sample.stamp)) restart(before = sample.stamp);
+  const double step = seconds_between(before, sample.stamp);
   if (step > 0.0 && step < kLongestInterval) {
     imu_seconds_ += step;
     ++imu_steps_;
     if (imu_steps_ == kRateSamples)
       noise_report_ = describe_noise(noise_spec_, noise_scale_, static_cast<double>(imu_steps_) / imu_seconds_);
   }
-  newest_imu_ = std::max(newest_imu_, sample.stamp);
   odometry_->add_imu(sample);
   take_results();
 }
 
-bool LioSession::is_new_recording(TimeNs stamp) {
-  if (stamp < newest_imu_ - kBackInTime) return ++samples_back_in_time_ >= kSamplesBackInTime;
-  samples_back_in_time_ = 0;
-  return false;
-}
-
 void LioSession::restart(TimeNs stamp) {
   char back[40];
-  std::snprintf(back, sizeof back, "%.3f", seconds_between(stamp, newest_imu_));
+  std::snprintf(back, sizeof back, "%.3f", seconds_between(stamp, watch_.newest()));
   restarted_ = "the stamps went back by " + std::string(back) + " s: the estimator has started again, with a new map";
   ++restarts_;
   end_of_data();
   odometry_->restart();
-  newest_imu_ = stamp;
-  samples_back_in_time_ = 0;
+  watch_ = RecordingWatch();
+  watch_.begins_anew(stamp);
   new_cloud_to_come_ = true;
 }
 
 std::string LioSession::add(const sensor_msgs::PointCloud2& message) {
-  if (new_cloud_to_come_ && to_time_ns(message.header.stamp) > newest_imu_ + kBackInTime) return "";
+  if (new_cloud_to_come_ && to_time_ns(message.header.stamp) > watch_.newest() + RecordingWatch::kBackInTime) return "";
   new_cloud_to_come_ = false;
   std::string error;
   {

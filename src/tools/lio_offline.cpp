@@ -1,7 +1,5 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <sensor_msgs/Imu.h>
-#include <sensor_msgs/PointCloud2.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -11,8 +9,8 @@
 
 #include "allan_lio/io/config_source.h"
 #include "allan_lio/io/yaml_source.h"
-#include "allan_lio/ros/bag_source.h"
 #include "allan_lio/ros/config_dirs.h"
+#include "allan_lio/ros/lio_bag.h"
 #include "allan_lio/ros/lio_session.h"
 #include "allan_lio/ros/save_map.h"
 
@@ -90,14 +88,10 @@ class ProgressBar {
 };
 
 void feed(const BagMessage& message, const LioConfig& config, LioSession& session) {
-  const BagConnection& connection = *message.connection;
-  const bool imu = same_topic(connection.topic, config.topics.imu);
   try {
-    if (imu && connection.datatype == ros::message_traits::datatype<sensor_msgs::Imu>()) {
-      session.add(*message.as<sensor_msgs::Imu>());
-    } else if (!imu && connection.datatype == ros::message_traits::datatype<sensor_msgs::PointCloud2>()) {
-      session.add(*message.as<sensor_msgs::PointCloud2>());
-    }
+    take_lio_message(
+        message, config.topics, [&session](const sensor_msgs::Imu& imu) { session.add(imu); },
+        [&session](const sensor_msgs::PointCloud2& cloud) { session.add(cloud); });
   } catch (const ros::serialization::StreamOverrunException&) {
     session.count_undecodable("its bytes end too early");
   }
@@ -116,10 +110,7 @@ void print_summary(const LioSession& session, const Arguments& a) {
 int run(const Arguments& a) {
   const StopRequest stop;
   const LioConfig config = read(a);
-  BagSource bags(a.bags);
-  bags.require(config.topics.imu, ros::message_traits::datatype<sensor_msgs::Imu>());
-  bags.require(config.topics.lidar, ros::message_traits::datatype<sensor_msgs::PointCloud2>());
-  bags.select({config.topics.imu, config.topics.lidar});
+  BagSource bags = open_lio_bags(a.bags, config.topics);
   LioSession session(config, a.out, {});
   session.set_inputs(a.bags);
 

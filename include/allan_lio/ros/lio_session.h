@@ -13,6 +13,7 @@
 #include "allan_lio/io/run_writer.h"
 #include "allan_lio/lio/odometry.h"
 #include "allan_lio/ros/decode_cloud.h"
+#include "allan_lio/ros/recording_watch.h"
 
 namespace allan_lio {
 
@@ -73,8 +74,6 @@ class LioSession {
 
  private:
   void take_results();
-  /// True for a sample of a new recording, once enough of them have come.
-  bool is_new_recording(TimeNs stamp);
   void restart(TimeNs stamp);
 
   std::unique_ptr<Odometry> odometry_;
@@ -86,9 +85,8 @@ class LioSession {
   const NoiseScale noise_scale_;
   std::string last_refusal_;
   std::uint64_t decoded_ = 0, undecodable_ = 0, imu_steps_ = 0;
-  TimeNs newest_imu_ = 0;
+  RecordingWatch watch_;
   double imu_seconds_ = 0.0;        ///< sum of imu_steps_ intervals between samples [s]
-  int samples_back_in_time_ = 0;    ///< in a row
   bool new_cloud_to_come_ = false;  ///< clouds from before the restart may still be on their way
   std::string restarted_;
   std::uint64_t restarts_ = 0;
