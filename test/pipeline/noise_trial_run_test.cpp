@@ -3,6 +3,9 @@
 #include "allan_lio/calib/noise_trial_run.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
@@ -12,6 +15,7 @@
 #include "allan_lio/eval/trajectory_error.h"
 #include "allan_lio/lidar/thin_scan.h"
 #include "simulated_drive.h"
+#include "temporary_directory.h"
 
 namespace allan_lio {
 namespace {
@@ -159,6 +163,43 @@ TEST_F(NoiseTrialRun, OneJobAndTwoGiveTheSameBits) {
     EXPECT_TRUE(same_bits(alone[i], two[i])) << problem.describe(trials[i]);
     EXPECT_TRUE(same_bits(alone[i], run(trials[i])));
   }
+}
+
+TEST_F(NoiseTrialRun, ASearchThatIsKilledGoesOnWhereItWasAndEndsWithTheSameBits) {
+  constexpr std::size_t kJobs = 2, kBeforeTheKill = 4;
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("trials.db");
+  std::vector<TuningBag> bags;
+  bags.push_back({"rooms", config, prepared(drive(), config)});
+  const TrialProblem problem(std::move(bags), kSeed);
+  std::vector<NoiseTrial> trials;
+  for (std::uint32_t run = 0; run < 10; ++run) trials.push_back(run_number(run, {{1.0, 1.0, 3.0, 3.0}, 1.0}));
+
+  const pid_t child = fork();
+  if (child == 0) {
+    try {
+      TrialStore store(path);
+      std::size_t stored = 0;
+      const auto kill_itself = [&stored](const FinishedTrial&) {  // while the other thread is at a trial
+        if (++stored == kBeforeTheKill) kill(getpid(), SIGKILL);
+      };
+      cached(make_trial_pool(problem, kJobs, nullptr), problem, &store, kill_itself)(trials);
+    } catch (const std::exception&) {
+      _exit(1);
+    }
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+
+  TrialStore store(path);
+  ASSERT_EQ(store.size(), kBeforeTheKill);
+  std::size_t from_the_store = 0;
+  const auto count = [&from_the_store](const FinishedTrial& finished) { from_the_store += finished.stored; };
+  const auto resumed = cached(make_trial_pool(problem, kJobs, nullptr), problem, &store, count)(trials);
+  EXPECT_EQ(from_the_store, kBeforeTheKill);
+  for (std::size_t i = 0; i < trials.size(); ++i) EXPECT_TRUE(same_bits(resumed[i], run(trials[i]))) << i;
 }
 
 TEST_F(NoiseTrialRun, TheRecordGivesItsScansBackAndItsDigestSeesEveryPart) {

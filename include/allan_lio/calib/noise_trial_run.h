@@ -33,7 +33,7 @@ LioConfig with_setting(LioConfig config, const NoiseSetting& setting);
 TrialResult run_trial(const PreparedRecord& record, const LioConfig& config, const NoiseTrial& trial,
                       std::uint64_t seed, const std::function<void(const LioResult&)>& on_result = {});
 
-/// The same, if the digest is at hand: to make it takes a tenth of a second for a long recording.
+/// The same, if the digest is at hand: to make it takes some tenths of a second for a long recording.
 TrialResult run_trial(const PreparedRecord& record, std::uint64_t digest, const LioConfig& config,
                       const NoiseTrial& trial, std::uint64_t seed,
                       const std::function<void(const LioResult&)>& on_result = {});
