@@ -9,6 +9,7 @@
 #include <exception>
 #include <limits>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 
 namespace allan_lio {
@@ -91,6 +92,7 @@ Eigen::MatrixXd latin_hypercube(const Eigen::VectorXd& low, const Eigen::VectorX
 
 Eigen::VectorXd minimise(const BoxSearch& box, const Eigen::VectorXd& x,
                          const std::function<double(const Eigen::VectorXd&)>& value) {
+  constexpr double kOfTheBox = 0.25;  // BOBYQA refuses a first step beyond half of it
   const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> optimizer(
       nlopt_create(NLOPT_LN_BOBYQA, static_cast<unsigned>(x.size())), nlopt_destroy);
   Eigen::VectorXd point = x.cwiseMax(box.low).cwiseMin(box.high);
@@ -98,13 +100,15 @@ Eigen::VectorXd minimise(const BoxSearch& box, const Eigen::VectorXd& x,
   nlopt_set_min_objective(optimizer.get(), evaluate, &descent);
   nlopt_set_lower_bounds(optimizer.get(), box.low.data());
   nlopt_set_upper_bounds(optimizer.get(), box.high.data());
-  nlopt_set_initial_step1(optimizer.get(), box.first_step);
+  nlopt_set_initial_step1(optimizer.get(), std::min(box.first_step, kOfTheBox * (box.high - box.low).minCoeff()));
   nlopt_set_xtol_abs1(optimizer.get(), box.tolerance);
-  nlopt_set_maxeval(optimizer.get(), box.most);
-  // However it ends, the best point is in `descent`.
+  nlopt_set_maxeval(optimizer.get(), std::max(1, box.most));
+  // However a search ends, the best point is in `descent`; one that cannot begin must not look like an end.
   double last = 0.0;
-  nlopt_optimize(optimizer.get(), point.data(), &last);
+  const nlopt_result end = nlopt_optimize(optimizer.get(), point.data(), &last);
   if (descent.thrown) std::rethrow_exception(descent.thrown);
+  if (end == NLOPT_INVALID_ARGS || end == NLOPT_OUT_OF_MEMORY)
+    throw std::runtime_error("BOBYQA: cannot search in this box");
   return descent.best_point;
 }
 

@@ -62,6 +62,21 @@ TEST(NoiseSearch, FindsTheBowlsBottomFromFourStarts) {
   EXPECT_LT((found[0] - bottom).lpNorm<Eigen::Infinity>(), 2.0 * kSameAnswer);  // the prior pulls a little
 }
 
+TEST(NoiseSearch, TakesOneCoefficientAloneAndABoxSmallerThanItsFirstStep) {
+  NoiseProblem problem = problem_of({P::kKr});
+  problem.lowest_k = 0.5;
+  problem.highest_k = 2.0;
+  constexpr double kBottom = 0.37;  // ln k
+  const RunTrials engine =
+      engine_of_logs(problem, [](const Eigen::VectorXd& x) { return 500.0 * std::pow(x[0] - kBottom, 2); });
+  NoiseEvaluator evaluator(problem, engine);
+  const SearchResult result = search_likelihood(evaluator);
+  EXPECT_EQ(result.end, SearchEnd::kConverged);
+  EXPECT_NEAR(std::log(evaluator.evaluations()[result.best].setting.k_r), kBottom, kSameAnswer);
+  NoiseEvaluator other(problem, engine);
+  EXPECT_NEAR(std::log(other.evaluations()[search_bayes(other).best].setting.k_r), kBottom, kSameAnswer);
+}
+
 TEST(NoiseSearch, FollowsACorrelatedValley) {
   const auto found = answers(2, [](const Eigen::VectorXd& x) {
     return 400.0 * std::pow(x[0] + x[1] - 1.0, 2) + 10.0 * std::pow(x[0] - x[1] - 3.0, 2);
