@@ -93,6 +93,18 @@ TEST(NoiseProfile, ASumThatIsToldButNotItsPartsIsFlatOnlyWhenTheOthersFollow) {
       EXPECT_EQ(profile.verdict, ProfileVerdict::kCannotBeTold);
 }
 
+TEST(NoiseProfile, TheEndsOfALopsidedIntervalAreSearchedFor) {
+  constexpr double kSamples = 30.0;
+  // A variance e^2x told by so many samples: rises steeply towards zero and slowly upwards.
+  const Value value = [](const Eigen::VectorXd& x) {
+    return 0.5 * kSamples * (2.0 * x[0] + std::exp(-2.0 * x[0]) - 1.0);
+  };
+  const auto profiles = profiles_of(without_prior({P::kKg}), value, Eigen::VectorXd::Zero(1), ProfileKind::kFollowed);
+  for (const double k : {profiles[0].low, profiles[0].high})
+    EXPECT_NEAR(value(Eigen::VectorXd::Constant(1, std::log(k))), kProfileLevel, 0.1 * kProfileLevel) << k;
+  EXPECT_LT(std::abs(std::log(profiles[0].low)), std::log(profiles[0].high));
+}
+
 TEST(NoiseProfile, TheBoxEndsTheReachAndACliffBoundsIt) {
   NoiseProblem problem = without_prior({P::kKg});
   problem.lowest_k = 0.5;
