@@ -56,11 +56,11 @@ struct ProfileOptions {
 
 /// The profiles of all tuned coefficients about the optimum, evaluations()[best]. Settings known already are reused
 /// and each round of points goes out as one batch: some 11 for one coefficient, 45 for two, 70 for three, 100 for four
-/// (kFollowed), half of it for slices. The interval knows of chance in the innovations and not of an objective that is
-/// rugged beyond the level itself: then its ends are those of the ripples. kAte: flat is what rises less than the range
-/// that chance gives the averages of the runs (5 standard errors, about Tukey's 95 % range of a dozen). If a setting
-/// better than the optimum turns up, NoiseEvaluator::best() says so: search on from there. Throws std::invalid_argument
-/// unless reach > 1 and points_a_side > 0.
+/// (kFollowed), two thirds of it for slices. The interval knows of chance in the innovations and not of an objective
+/// that is rugged beyond the level itself: then its ends are those of the ripples. kAte: flat is what rises less than
+/// the range that chance gives the averages of the runs (5 standard errors, about Tukey's 95 % range of a dozen). If a
+/// setting better than the optimum turns up, NoiseEvaluator::best() says so: search on from there. Throws
+/// std::invalid_argument unless reach > 1 and points_a_side > 0.
 std::vector<NoiseProfile> profile_noise(NoiseEvaluator& evaluator, std::size_t best,
                                         const ProfileOptions& options = {});
 
