@@ -38,7 +38,8 @@ PoseMatrix relative_covariance(const Belief& belief, const PoseRows& rows) {
 /// mean square duration^2/3.
 ScanUncertainty scan_uncertainty(const Belief& belief, const PoseRows& rows, double duration) {
   const double age = duration * duration / 3.0;
-  return {relative_covariance(belief, rows), age * belief.covariance.block<3, 3>(kVelocity, kVelocity),
+  const PoseMatrix pose = relative_covariance(belief, rows);
+  return {pose, pose, age * belief.covariance.block<3, 3>(kVelocity, kVelocity),
           age * belief.covariance.diagonal().segment<3>(kGyroBias).maxCoeff()};
 }
 
@@ -170,7 +171,7 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
                              Belief& belief, AbsoluteCovariance& absolute) {
   const ResidualOptions options = residual_options(config);
   const bool estimate = config.estimate_extrinsics;
-  const ScanUncertainty uncertainty = scan_uncertainty(belief, lidar_pose_rows(state, estimate), times.smeared);
+  ScanUncertainty uncertainty = scan_uncertainty(belief, lidar_pose_rows(state, estimate), times.smeared);
   const std::vector<std::uint32_t> last_epochs = absolute.last_epochs();
   const LioState prior = state;
   const Belief before = belief;
@@ -209,6 +210,7 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
     belief.covariance = reset * solution.posterior.covariance * reset.transpose();
     belief.view = {reset * solution.posterior.view.cross, solution.posterior.view.own};
     iterate = next;
+    uncertainty.iterate = relative_covariance(belief, lidar_pose_rows(iterate, estimate));
     if (converged(solution.step, config.update)) break;
   }
   absolute.transform(transport(used.state, prior));

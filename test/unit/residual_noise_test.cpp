@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 
@@ -43,8 +44,8 @@ TEST(ResidualNoise, TheLeanTermIsTheSpreadOfWhatLeaningNormalsMakeOfThePosesErro
   ScanUncertainty scan;
   std::srand(7);
   const PoseMatrix root = PoseMatrix::Random();
-  scan.pose = 0.1 * root * root.transpose();
-  const PoseMatrix factor = scan.pose.llt().matrixL();
+  scan.iterate = 0.1 * root * root.transpose();
+  const PoseMatrix factor = scan.iterate.llt().matrixL();
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   double sum = 0.0;
@@ -62,7 +63,7 @@ TEST(ResidualNoise, TheLeanTermIsTheSpreadOfWhatLeaningNormalsMakeOfThePosesErro
 
 TEST(ResidualNoise, AWellKnownPoseMakesNothingOfLeaningNormals) {
   ScanUncertainty scan;
-  scan.pose = 1e-10 * PoseMatrix::Identity();
+  scan.iterate = 1e-10 * PoseMatrix::Identity();
   const ResidualVariance noise = noise_of(kOptions, scan, ground(), {6.0, 3.0, -1.5});
   EXPECT_EQ(noise.lean, 0.0);
   EXPECT_EQ(noise.own, kRange * kRange);

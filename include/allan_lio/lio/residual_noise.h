@@ -20,7 +20,9 @@ struct ResidualOptions {
 
 /// What the prediction leaves uncertain about a scan.
 struct ScanUncertainty {
-  PoseMatrix pose = PoseMatrix::Zero();  ///< covariance of the pose against the map (rotation, translation)
+  PoseMatrix pose = PoseMatrix::Zero();  ///< covariance of the predicted pose against the map (rotation, translation)
+  /// The same of the pose that the residuals are taken at: along what an iteration has measured it is small.
+  PoseMatrix iterate = PoseMatrix::Zero();
   /// Covariance by which deskewing with a wrong velocity smears the points, over the scan [m^2], world.
   Eigen::Matrix3d smear = Eigen::Matrix3d::Zero();
   double turn = 0.0;  ///< variance by which deskewing with a wrong rate turns them, per axis [rad^2]
@@ -48,8 +50,8 @@ class ResidualNoise {
         range_variance_(options.range_variance),
         beam_(kBeamSigma * kBeamSigma * options.divergence * options.divergence),
         scan_(scan),
-        rotation_(scan.pose.diagonal().head<3>().sum()),
-        translation_(scan.pose.diagonal().tail<3>().sum()),
+        rotation_(scan.iterate.diagonal().head<3>().sum()),
+        translation_(scan.iterate.diagonal().tail<3>().sum()),
         smear_(scan.smear.trace()) {}
 
   /// `q` and `normal` in the IMU's frame [m], `point` in the world [m]; `lean_1`, `lean_2`: the residual's Jacobian
@@ -67,7 +69,7 @@ class ResidualNoise {
     out.center = plane.center_variance;
     const double leans = plane.lean_1.squaredNorm() + plane.lean_2.squaredNorm();
     if (kLooks * leans * (translation_ + rotation_ * squared_range) > kNegligible * range_variance_)
-      out.lean = kLooks * (lean_1.dot(scan_.pose * lean_1) + lean_2.dot(scan_.pose * lean_2));
+      out.lean = kLooks * (lean_1.dot(scan_.iterate * lean_1) + lean_2.dot(scan_.iterate * lean_2));
     return out;
   }
 
