@@ -11,11 +11,11 @@
 namespace allan_lio {
 namespace {
 
-constexpr int kCellOffset = 1 << 17;     // makes every cell's number positive: 18 bits a coordinate
-constexpr float kMostCells = 130000.0F;  // from the middle of a cube's face to its edge
-constexpr int kShellOffset = 64;
-constexpr float kCellsPerLeaf = 1.5F;  // at the inner edge of a shell; at the outer one half of it
-constexpr float kNearBorder = 0.1F;    // [m] of a shell's border: several sigma of the range noise
+constexpr float kCellOffset = 131072.0F;           // makes every cell's number positive: 18 bits a coordinate
+constexpr float kMostCells = 130000.0F;            // from the middle of a cube's face to its edge
+constexpr int kFirstShell = -20, kLastShell = 42;  // a micrometre and 4e12 m
+constexpr float kCellsPerLeaf = 1.5F;              // at the inner edge of a shell; at the outer one half of it
+constexpr float kNearBorder = 0.1F;                // [m] of a shell's border: several sigma of the range noise
 
 float largest_of(const ScanPoint& p) { return std::max(std::max(std::abs(p.x), std::abs(p.y)), std::abs(p.z)); }
 
@@ -36,12 +36,13 @@ float power_of_two(int exponent) {
 
 /// The cell of a point: its direction, projected onto a cube, in steps of about a leaf at the range of the shell.
 /// A shell spans a factor of two in range (the largest coordinate stands for it).
-std::uint64_t beam_cell(const ScanPoint& p, float largest, int shell, float cells_per_metre) {
-  const float to_cells = std::min(std::ceil(cells_per_metre * power_of_two(shell)), kMostCells) / largest;
+std::uint64_t beam_cell(const ScanPoint& p, float inverse_largest, int shell, float cells_per_face) {
+  const float to_cells = cells_per_face * inverse_largest;
+  // The sum is positive, so that cutting its digits off rounds it down.
   const auto part = [&](float x) {
-    return static_cast<std::uint64_t>(static_cast<int>(std::floor(x * to_cells)) + kCellOffset);
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(static_cast<int>(x * to_cells + kCellOffset)));
   };
-  return part(p.x) | part(p.y) << 18 | part(p.z) << 36 | static_cast<std::uint64_t>(shell + kShellOffset) << 54;
+  return part(p.x) | part(p.y) << 18 | part(p.z) << 36 | static_cast<std::uint64_t>(shell - kFirstShell + 1) << 54;
 }
 
 }  // namespace
@@ -78,16 +79,22 @@ void ScanDownsampler::select(const std::vector<ScanPoint>& points, const std::ve
   used_ = 0;
   kept.clear();
   const float cells_per_metre = kCellsPerLeaf / static_cast<float>(leaf);
+  float cells_per_face[kLastShell - kFirstShell + 3];  // from one shell below the first to one above the last
+  for (int shell = kFirstShell - 1; shell <= kLastShell + 1; ++shell)
+    cells_per_face[shell - kFirstShell + 1] = std::min(std::ceil(cells_per_metre * power_of_two(shell)), kMostCells);
+  const auto is_first_in = [&](const ScanPoint& p, float inverse, int shell) {
+    return insert(beam_cell(p, inverse, shell, cells_per_face[shell - kFirstShell + 1]));
+  };
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t index = candidates ? (*candidates)[i] : static_cast<std::uint32_t>(i);
     const ScanPoint& p = points[index];
-    const float largest = largest_of(p);
-    const int shell = exponent_of(largest);
-    bool is_first = insert(beam_cell(p, largest, shell, cells_per_metre));
+    const float largest = largest_of(p), inverse = 1.0F / largest;
+    const int shell = std::clamp(exponent_of(largest), kFirstShell, kLastShell);
+    bool is_first = is_first_in(p, inverse, shell);
     // Near a border it is the noise that chooses the shell, so the point has to be first on either side of it.
     const float inner = power_of_two(shell);
-    if (largest - inner < kNearBorder) is_first &= insert(beam_cell(p, largest, shell - 1, cells_per_metre));
-    if (2.0F * inner - largest < kNearBorder) is_first &= insert(beam_cell(p, largest, shell + 1, cells_per_metre));
+    if (largest - inner < kNearBorder) is_first &= is_first_in(p, inverse, shell - 1);
+    if (2.0F * inner - largest < kNearBorder) is_first &= is_first_in(p, inverse, shell + 1);
     if (is_first) kept.push_back(index);
   }
 }

@@ -34,6 +34,15 @@ PoseMatrix relative_covariance(const Belief& belief, const PoseRows& rows) {
   return pose_block(belief.covariance, rows) + belief.view.own - mixed - mixed.transpose();
 }
 
+/// What the prediction leaves uncertain. `duration` of the scan [s], 0 if it is not deskewed: a point's age has the
+/// mean square duration^2/3.
+ScanUncertainty scan_uncertainty(const Belief& belief, const PoseRows& rows, double duration) {
+  const double age = duration * duration / 3.0;
+  const PoseMatrix pose = relative_covariance(belief, rows);
+  return {pose, pose, age * belief.covariance.block<3, 3>(kVelocity, kVelocity),
+          age * belief.covariance.diagonal().segment<3>(kGyroBias).maxCoeff()};
+}
+
 Localizability judge(const NormalEquations& equations, const PointToPlane& residuals,
                      const std::vector<Eigen::Vector3f>& points, const LioState& state, double floor) {
   const PoseMatrix information = equations.information.topLeftCorner<6, 6>();
@@ -112,8 +121,13 @@ LioMatrix transport(const LioState& y, const LioState& x) {
 }
 
 ResidualOptions residual_options(const LioConfig& config) {
-  const double range_sigma = config.lidar.k_r * config.lidar.range_noise;
-  return {range_sigma * range_sigma, config.update.gate, config.update.robust_scale, config.estimate_extrinsics};
+  const LioConfig::Lidar& lidar = config.lidar;
+  return {lidar.range_noise * lidar.range_noise,
+          config.update.gate,
+          config.update.robust_scale,
+          config.estimate_extrinsics,
+          lidar.k_r,
+          lidar.beam_divergence};
 }
 
 UpdateStep solve_step(const LioState& iterate, const LioState& prior, const Belief& belief,
@@ -153,24 +167,24 @@ UpdateStep solve_step(const LioState& iterate, const LioState& prior, const Beli
 }
 
 UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, const VoxelMap& map,
-                             const LioConfig& config, double seconds, PointToPlane& residuals, LioState& state,
+                             const LioConfig& config, const ScanTimes& times, PointToPlane& residuals, LioState& state,
                              Belief& belief, AbsoluteCovariance& absolute) {
   const ResidualOptions options = residual_options(config);
   const bool estimate = config.estimate_extrinsics;
-  const PoseMatrix pose_covariance = relative_covariance(belief, lidar_pose_rows(state, estimate));
+  ScanUncertainty uncertainty = scan_uncertainty(belief, lidar_pose_rows(state, estimate), times.smeared);
   const std::vector<std::uint32_t> last_epochs = absolute.last_epochs();
   const LioState prior = state;
   const Belief before = belief;
   Belief prior_belief = belief;  // the view has changed since
   UsedMeasurement used;
-  used.view_kept = std::exp(-seconds / kViewTime);
+  used.view_kept = std::exp(-times.since_update / kViewTime);
 
   UpdateReport report;
   LioState iterate = prior;
   std::vector<Eigen::Vector3f> moved;
   for (int i = 0; i < config.update.max_iterations; ++i) {
     const auto& points = moved_points(points_imu, iterate, prior, estimate, moved);
-    const NormalEquations equations = residuals.linearize(points, iterate, pose_covariance, map, options, last_epochs);
+    const NormalEquations equations = residuals.linearize(points, iterate, uncertainty, map, options, last_epochs);
     if (equations.inliers < kLeastInliers) {
       belief = before;
       return UpdateReport{};
@@ -181,7 +195,7 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
       used.view_noise = view_noise(equations, report.localizability);
       prior_belief.view.change(used.view_kept, used.view_noise);
       report.innovation = pose_innovation(equations.information.topLeftCorner<6, 6>(), equations.gradient.head<6>(),
-                                          pose_covariance, report.localizability);
+                                          uncertainty.pose, report.localizability);
     }
     const UpdateStep solution = solve_step(
         iterate, prior, prior_belief, weigh(equations, used.support, lidar_pose_rows(iterate, estimate)), estimate);
@@ -196,6 +210,7 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
     belief.covariance = reset * solution.posterior.covariance * reset.transpose();
     belief.view = {reset * solution.posterior.view.cross, solution.posterior.view.own};
     iterate = next;
+    uncertainty.iterate = relative_covariance(belief, lidar_pose_rows(iterate, estimate));
     if (converged(solution.step, config.update)) break;
   }
   absolute.transform(transport(used.state, prior));

@@ -145,6 +145,10 @@ void declare_lidar(ParameterVisitor& v, LioConfig& c) {
   v.number({"lidar/k_r", "1",
             "Multiplier on range_noise; 1 is the data sheet's value. Raise it for rough or moving surroundings."},
            lidar.k_r, 1.0, Range::positive());
+  v.number({"lidar/beam_divergence", "rad",
+            "Full angle of a beam, from the LiDAR's data sheet: at grazing incidence its spot is long and the range "
+            "uncertain. 0 leaves that out."},
+           lidar.beam_divergence, 0.0, Range::between(0.0, 0.2));
   v.number(
       {"lidar/leaf", "m",
        "Width of the cells of beam direction of which one point each is registered. Raise it for speed, lower it in "

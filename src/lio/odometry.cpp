@@ -27,9 +27,10 @@ LioResult Odometry::Impl::process(Scan scan) {
   }
 
   if (may_stand_still()) settle_standstill();
-  const double seconds = seconds_between(updated_at_, state_.nav.stamp);
+  const ScanTimes times{seconds_between(updated_at_, state_.nav.stamp),
+                        config_.lidar.deskew ? seconds_between(scan.begin(), scan.end()) : 0.0};
   const UpdateReport report =
-      iterated_update(registered_points_, *map_, config_, seconds, residuals_, state_, belief_, absolute_);
+      iterated_update(registered_points_, *map_, config_, times, residuals_, state_, belief_, absolute_);
   describe(report, result);
   if (!report.applied) return finish(settle_unmatched(), std::move(scan), result);
 

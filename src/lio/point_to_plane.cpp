@@ -21,15 +21,17 @@ PoseVector pose_row(const Eigen::Vector3d& q, const Eigen::Matrix3d& back, const
 struct Context {
   Eigen::Matrix3d rotation, back;
   Eigen::Vector3d translation;
-  PoseMatrix pose_covariance;
+  const PoseMatrix& pose_covariance;
   const ResidualOptions& options;
+  ResidualNoise noise;
 
-  Context(const LioState& state, const PoseMatrix& covariance, const ResidualOptions& residual_options)
+  Context(const LioState& state, const ScanUncertainty& uncertainty, const ResidualOptions& residual_options)
       : rotation(state.nav.T_world_imu.rotation.toRotationMatrix()),
         back(rotation.transpose()),
         translation(state.nav.T_world_imu.translation),
-        pose_covariance(covariance),
-        options(residual_options) {}
+        pose_covariance(uncertainty.pose),
+        options(residual_options),
+        noise(residual_options, uncertainty) {}
 };
 
 /// Adds to the sums, but the information to its part. Returns the weight, 0 for an outlier.
@@ -39,13 +41,15 @@ double add_residual(const Context& context, const Eigen::Vector3d& q, const Plan
   const Eigen::Vector3d point = context.rotation * q + context.translation;
   const double z = plane.distance(point);
   const PoseVector row = pose_row(q, context.back, plane.normal);
+  const PoseVector lean_1 = pose_row(q, context.back, plane.lean_1);
+  const PoseVector lean_2 = pose_row(q, context.back, plane.lean_2);
   ++sum.matched;
-  const double plane_variance = plane.variance_at(point);
-  const double single = std::max(options.range_variance, plane.thickness) + plane_variance;
+  const ResidualVariance noise = context.noise.of(plane, q, context.back * plane.normal, point, lean_1, lean_2);
+  const double single = noise.own + noise.plane;
   const double pose_variance = row.dot(context.pose_covariance * row);
   if (z * z > options.gate * options.gate * (single + pose_variance)) return 0.0;
 
-  const double variance = single + (sharing - 1.0) * plane.center_variance;
+  const double variance = single + (sharing - 1.0) * noise.center + sharing * noise.lean;
   const double deviations = std::abs(z) / std::sqrt(single);
   const double robust = deviations <= options.robust_scale ? 1.0 : options.robust_scale / deviations;
   const double weight = robust / variance;
@@ -53,9 +57,7 @@ double add_residual(const Context& context, const Eigen::Vector3d& q, const Plan
   const PoseMatrix product = weighed * row.transpose();
   information += product;
   sum.gradient.head<6>() -= z * weighed;
-  sum.plane_scatter += (weight * sharing * plane_variance) * product;
-  const PoseVector lean_1 = pose_row(q, context.back, plane.lean_1);
-  const PoseVector lean_2 = pose_row(q, context.back, plane.lean_2);
+  sum.plane_scatter += (weight * sharing * (noise.plane + noise.lean)) * product;
   sum.feigned.noalias() += weight * lean_1 * lean_1.transpose();
   sum.feigned.noalias() += weight * lean_2 * lean_2.transpose();
   sum.squared_range += q.squaredNorm();
@@ -123,11 +125,11 @@ void PointToPlane::count_groups() {
 }
 
 NormalEquations PointToPlane::linearize(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
-                                        const PoseMatrix& pose_covariance, const VoxelMap& map,
+                                        const ScanUncertainty& uncertainty, const VoxelMap& map,
                                         const ResidualOptions& options, const std::vector<std::uint32_t>& last_epochs) {
   match(points_imu, state, map);
   count_groups();
-  const Context context(state, pose_covariance, options);
+  const Context context(state, uncertainty, options);
   const std::size_t blocks = TaskPool::blocks(points_imu.size()), parts = std::max<std::size_t>(1, last_epochs.size());
   weights_.assign(points_imu.size(), 0.0);
   blocks_.assign(blocks, NormalEquations{});

@@ -17,7 +17,7 @@ constexpr int kLeastPoints = 100;
 
 bool contradicts_standstill(const std::vector<Eigen::Vector3f>& points_imu, const LioState& start, const VoxelMap& map,
                             const ResidualOptions& options, PointToPlane& residuals) {
-  const NormalEquations at_start = residuals.linearize(points_imu, start, PoseMatrix::Zero(), map, options);
+  const NormalEquations at_start = residuals.linearize(points_imu, start, ScanUncertainty{}, map, options);
   return at_start.matched >= kLeastPoints && at_start.inliers < kLeastAgreement * at_start.matched;
 }
 

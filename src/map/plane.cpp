@@ -7,6 +7,13 @@
 #include <cmath>
 
 namespace allan_lio {
+namespace {
+
+/// What a voxel's points deviate by beyond the range noise is structure (a rib, a step, a curve), and which part of it
+/// a scan shows hangs together: it counts as so many independent samples, however many points there are.
+constexpr double kStructures = 4.0;
+
+}  // namespace
 
 bool fit_plane(const PlaneSums& sums, const Eigen::Vector3d& origin, const PlaneLimits& limits, Plane& plane) {
   if (sums.count < limits.min_points) return false;
@@ -22,14 +29,16 @@ bool fit_plane(const PlaneSums& sums, const Eigen::Vector3d& origin, const Plane
   const Eigen::Vector3d& spread = solver.eigenvalues();  // ascending
   const double degrees_of_freedom = n / (n - 3.0);
   const double thickness = std::max(spread[0], 0.0) * degrees_of_freedom;
-  if (!(thickness <= limits.max_thickness * limits.max_thickness)) return false;
+  if (!(thickness <= limits.point_variance + limits.max_structure * limits.max_structure)) return false;
 
   // Regression of height on the two in-plane coordinates: variances of the offset and of the two slopes.
   const double noise = std::max(thickness, limits.point_variance);
   if (spread[1] < limits.least_aspect * limits.least_aspect * noise) return false;
-  const double independent = std::min<double>(n, limits.max_independent);
-  const double lean_1 = std::sqrt(noise / (independent * spread[2]));
-  const double lean_2 = std::sqrt(noise / (independent * spread[1]));
+  // One deviation of the estimated thickness may well be the range noise's.
+  const double structure = std::max(0.0, thickness - limits.point_variance * (1.0 + std::sqrt(2.0 / n)));
+  const double center_variance = noise / std::min<double>(n, limits.max_independent) + structure / kStructures;
+  const double lean_1 = std::sqrt(center_variance / spread[2]);
+  const double lean_2 = std::sqrt(center_variance / spread[1]);
   if (!(lean_2 <= limits.max_lean)) return false;
 
   plane.center = origin + mean;
@@ -37,7 +46,7 @@ bool fit_plane(const PlaneSums& sums, const Eigen::Vector3d& origin, const Plane
   plane.lean_1 = lean_1 * solver.eigenvectors().col(2);
   plane.lean_2 = lean_2 * solver.eigenvectors().col(1);
   plane.thickness = noise;
-  plane.center_variance = noise / independent;
+  plane.center_variance = center_variance;
   return true;
 }
 

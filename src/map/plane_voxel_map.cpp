@@ -14,7 +14,7 @@ constexpr double kOverlap = 0.1;
 constexpr std::uint32_t kFullAfter = 1000;  ///< points; then the plane is fixed and anchors later visits
 constexpr double kGate = 3.5;               ///< [sigma]; a point farther from the plane is of another surface
 constexpr double kMaxLean = 0.15;           ///< [rad]
-constexpr double kMaxThickness = 0.06;      ///< of the edge
+constexpr double kMaxStructure = 0.06;      ///< of the edge
 constexpr double kLeastAspect = 3.0;
 constexpr std::uint32_t kMinPoints = 12;
 constexpr std::uint32_t kMaxIndependent = 100;
@@ -35,7 +35,7 @@ class PlaneVoxelMap : public VoxelMap {
   explicit PlaneVoxelMap(const VoxelMapOptions& options)
       : options_(options),
         limits_{options.range_noise * options.range_noise,
-                kMaxThickness * options.voxel_size,
+                kMaxStructure * options.voxel_size,
                 kMaxLean,
                 kLeastAspect,
                 kMinPoints,
@@ -55,11 +55,15 @@ class PlaneVoxelMap : public VoxelMap {
     VoxelCoordinates c = voxel_of(point, store_.inverse_edge());
     const PlaneVoxel* first = store_.find(c);
     if (!first || !first->is_plane) return nullptr;
-    if (!first->is_divided || belongs(point, first->plane)) return &first->plane;
+    if (!first->is_divided) return &first->plane;
     c.second = true;
     const PlaneVoxel* second = store_.find(c);
-    const bool is_nearer =
-        second && second->is_plane && std::abs(second->plane.distance(point)) < std::abs(first->plane.distance(point));
+    if (!second || !second->is_plane) return &first->plane;
+    // In the corner between the two nobody can tell whose point it is, and the guess errs to the same side every time.
+    const bool of_first = belongs(point, first->plane), of_second = belongs(point, second->plane);
+    if (of_first && of_second) return nullptr;
+    if (of_first != of_second) return of_first ? &first->plane : &second->plane;
+    const bool is_nearer = std::abs(second->plane.distance(point)) < std::abs(first->plane.distance(point));
     return is_nearer ? &second->plane : &first->plane;
   }
 

@@ -11,7 +11,7 @@ namespace {
 constexpr int kCapacity = 20;     ///< points a voxel
 constexpr double kSpacing = 0.2;  ///< least distance between points of a voxel, of the edge
 constexpr int kNearest = 5;
-constexpr double kMaxThickness = 0.1;  ///< [m], 1 sigma of the nearest points about their plane
+constexpr double kMaxStructure = 0.1;  ///< [m], 1 sigma of the nearest points about their plane
 constexpr double kMaxLean = 0.5;       ///< [rad]
 constexpr double kLeastAspect = 1.0;
 
@@ -46,7 +46,7 @@ class PointVoxelMap : public VoxelMap {
  public:
   explicit PointVoxelMap(const VoxelMapOptions& options)
       : options_(options),
-        limits_{options.range_noise * options.range_noise, kMaxThickness, kMaxLean, kLeastAspect, kNearest, kNearest},
+        limits_{options.range_noise * options.range_noise, kMaxStructure, kMaxLean, kLeastAspect, kNearest, kNearest},
         store_(options.voxel_size, options.max_mb) {}
 
   void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor, std::uint32_t epoch) override {

@@ -131,7 +131,8 @@ class RegisterToScene : public ::testing::Test {
     Belief belief{p, {}};
     AbsoluteCovariance absolute;
     absolute.reset(p);
-    const UpdateReport report = iterated_update(points, *map, config_, 0.1, residuals_, state, belief, absolute);
+    const UpdateReport report =
+        iterated_update(points, *map, config_, ScanTimes{0.1}, residuals_, state, belief, absolute);
     p = belief.covariance;
     return report;
   }
@@ -206,12 +207,61 @@ TEST_F(RegisterToScene, AnUpdateThatLosesItsMatchesOnTheWayChangesNothing) {
   AbsoluteCovariance absolute;
   absolute.reset(belief.covariance);
   const Belief before = belief;
-  EXPECT_FALSE(iterated_update(points, map, config_, 0.1, residuals_, state, belief, absolute).applied);
+  EXPECT_FALSE(iterated_update(points, map, config_, ScanTimes{0.1}, residuals_, state, belief, absolute).applied);
   EXPECT_EQ(belief.covariance, before.covariance);
   EXPECT_EQ(belief.view.cross, before.view.cross);
   EXPECT_EQ(belief.view.own, before.view.own);
   EXPECT_EQ(absolute.state(), before.covariance);
   EXPECT_EQ(state.nav.T_world_imu.translation, Eigen::Vector3d::Zero());
+}
+
+/// Flat ground whose planes lean by their noise, a plane a square of half a metre.
+class NoisyGround : public VoxelMap {
+ public:
+  static constexpr double kLean = 0.05;  ///< [rad]
+
+  void insert(const std::vector<Eigen::Vector3d>&, const Eigen::Vector3d&, std::uint32_t) override {}
+  const Plane* find(const Eigen::Vector3d& point, Plane& scratch) const override {
+    const int x = static_cast<int>(std::floor(2.0 * point.x())), y = static_cast<int>(std::floor(2.0 * point.y()));
+    std::mt19937 random(static_cast<unsigned>(1000 * (x + 500) + y + 500));
+    std::normal_distribution<double> lean(0.0, kLean);
+    const double a = lean(random), b = lean(random);
+    scratch.normal = Eigen::Vector3d(a, b, 1.0).normalized();
+    scratch.center = {0.5 * x + 0.25, 0.5 * y + 0.25, -1.6};
+    scratch.lean_1 = {kLean, 0, 0};
+    scratch.lean_2 = {0, kLean, 0};
+    scratch.thickness = 4e-4;
+    scratch.center_variance = 4e-6;
+    scratch.group = static_cast<std::uint32_t>(200 * (x + 100) + y + 100);
+    return &scratch;
+  }
+  void clear() override {}
+  std::size_t voxels() const override { return 1; }
+  std::size_t bytes() const override { return 0; }
+  std::vector<Eigen::Vector3d> points() const override { return {}; }
+};
+
+TEST_F(RegisterToScene, FlatGroundSaysNothingOfThePositionAlongItThroughTiltAndHeightEither) {
+  // Tilt and height are known well, so a normal's noise would turn their agreement into a measurement of x and y.
+  LioMatrix p = 1e-12 * LioMatrix::Identity();
+  p.block<3, 3>(kTheta, kTheta) = 4e-7 * Eigen::Matrix3d::Identity();
+  p.block<3, 3>(kPosition, kPosition) = Eigen::Vector3d(0.04, 0.04, 1e-4).asDiagonal();
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-12.0, 12.0);
+  std::normal_distribution<double> noise(0.0, 0.02);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 300; ++i)
+    points.push_back(Eigen::Vector3d(place(random), place(random), noise(random) - 1.6).cast<float>());
+  LioState state;
+  Belief belief{p, {}};
+  AbsoluteCovariance absolute;
+  absolute.reset(p);
+  ASSERT_TRUE(
+      iterated_update(points, NoisyGround(), config_, ScanTimes{0.1}, residuals_, state, belief, absolute).applied);
+  constexpr double kLeastLeft = 0.98;  // of the variance
+  EXPECT_GT(belief.covariance(kPosition, kPosition), kLeastLeft * 0.04);
+  EXPECT_GT(belief.covariance(kPosition + 1, kPosition + 1), kLeastLeft * 0.04);
+  EXPECT_LT(state.nav.T_world_imu.translation.head<2>().norm(), 0.02);
 }
 
 }  // namespace

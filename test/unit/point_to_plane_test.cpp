@@ -51,7 +51,7 @@ TEST(PointToPlane, TheGradientIsTheDerivativeOfTheCostInEveryBlock) {
   const std::vector<Eigen::Vector3f> points{{3.0F, -1.0F, 0.5F}};
   TaskPool pool(1);
   PointToPlane residuals(pool);
-  const NormalEquations here = residuals.linearize(points, state, Pose6::Zero(), map, kOptions);
+  const NormalEquations here = residuals.linearize(points, state, ScanUncertainty{}, map, kOptions);
   // cost(x) = z^2 / (2 variance); the LiDAR point stays the same while the extrinsics move.
   const Eigen::Vector3d p_lidar = state.T_imu_lidar.inverse() * points[0].cast<double>();
   const double variance = 4e-4;
@@ -84,7 +84,7 @@ TEST(PointToPlane, PointsOnOnePlaneTellNoMoreThanThePlaneKnows) {
   // The same point many times: the distance of the plane is known no better than 1e-4 m^2.
   for (const int count : {1, 100, 10000}) {
     const std::vector<Eigen::Vector3f> points(static_cast<std::size_t>(count), {3.0F, -1.0F, 0.5F});
-    const NormalEquations sum = residuals.linearize(points, state, Pose6::Zero(), map, kOptions);
+    const NormalEquations sum = residuals.linearize(points, state, ScanUncertainty{}, map, kOptions);
     const double along_normal = plane.normal.dot(sum.information.block<3, 3>(3, 3) * plane.normal);
     EXPECT_NEAR(1.0 / along_normal, 4e-4 / count + 1e-4, 1e-9);
   }
@@ -98,9 +98,9 @@ TEST(PointToPlane, AResidualBeyondTheGateDoesNotCount) {
   options.gate = 3.0;
   const LioState state = some_state();
   const std::vector<Eigen::Vector3f> points{{3.0F, -1.0F, 0.5F}};
-  EXPECT_EQ(residuals.linearize(points, state, Pose6::Zero(), map, options).inliers, 0);
+  EXPECT_EQ(residuals.linearize(points, state, ScanUncertainty{}, map, options).inliers, 0);
   // The same residual passes when the pose itself is that uncertain.
-  EXPECT_EQ(residuals.linearize(points, state, Pose6::Identity() * 25.0, map, options).inliers, 1);
+  EXPECT_EQ(residuals.linearize(points, state, ScanUncertainty{Pose6::Identity() * 25.0}, map, options).inliers, 1);
 }
 
 TEST(PointToPlane, TwoThreadsGiveTheSameBitsAsOne) {
@@ -112,8 +112,8 @@ TEST(PointToPlane, TwoThreadsGiveTheSameBitsAsOne) {
   TaskPool one(1), two(2);
   PointToPlane a(one), b(two);
   const ResidualOptions options{4e-4, 3.0, 2.0, false};
-  const NormalEquations x = a.linearize(points, state, Pose6::Identity() * 1e-4, *map, options);
-  const NormalEquations y = b.linearize(points, state, Pose6::Identity() * 1e-4, *map, options);
+  const NormalEquations x = a.linearize(points, state, ScanUncertainty{Pose6::Identity() * 1e-4}, *map, options);
+  const NormalEquations y = b.linearize(points, state, ScanUncertainty{Pose6::Identity() * 1e-4}, *map, options);
   EXPECT_GT(x.inliers, 3000);
   EXPECT_EQ(x.inliers, y.inliers);
   EXPECT_EQ(x.information, y.information);

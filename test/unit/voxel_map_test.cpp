@@ -157,5 +157,43 @@ TEST(PlaneVoxelMap, TheTwoSidesOfAThinWallAreTwoPlanes) {
   EXPECT_NE(near->group, far->group);
 }
 
+TEST(PlaneVoxelMap, APointInTheCornerOfTwoPlanesIsNobodys) {
+  // A floor and a wall that meet inside of a voxel.
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::normal_distribution<double> normal(0.0, kNoise);
+  std::vector<Eigen::Vector3d> floor, wall;
+  for (int i = 0; i < 400; ++i) {
+    floor.push_back({0.05 + 0.45 * unit(random), 0.5 * unit(random), 0.05 + normal(random)});
+    wall.push_back({0.05 + normal(random), 0.5 * unit(random), 0.2 + 0.3 * unit(random)});
+  }
+  auto map = make_plane_voxel_map(kOptions);
+  map->insert(floor, {2, 0, 2});
+  map->insert(wall, {2, 0, 2});
+  Plane scratch;
+  const Plane* of_floor = map->find({0.4, 0.2, 0.05}, scratch);
+  ASSERT_NE(of_floor, nullptr);
+  EXPECT_GT(std::abs(of_floor->normal.z()), 0.95);
+  const Plane* of_wall = map->find({0.05, 0.2, 0.4}, scratch);
+  ASSERT_NE(of_wall, nullptr);
+  EXPECT_GT(std::abs(of_wall->normal.x()), 0.95);
+  EXPECT_EQ(map->find({0.07, 0.2, 0.07}, scratch), nullptr);
+}
+
+TEST(PlaneFit, StructureDoesNotAverageOutLikeNoise) {
+  // Planks that stand out by 4 cm: which of them a scan shows decides where the plane seems to lie.
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> unit(-0.25, 0.25);
+  std::normal_distribution<double> normal(0.0, kNoise);
+  PlaneSums sums;
+  for (int i = 0; i < 1000; ++i) sums.add({unit(random), unit(random), (i % 2 == 0 ? 0.02 : -0.02) + normal(random)});
+  Plane plane;
+  ASSERT_TRUE(fit_plane(sums, Eigen::Vector3d::Zero(), {kNoise * kNoise, 0.03, 0.15, 3.0, 12, 100}, plane));
+  const double structure = plane.thickness - kNoise * kNoise;
+  EXPECT_NEAR(structure, 0.02 * 0.02, 1e-4);
+  EXPECT_GT(plane.center_variance, structure / 5.0);
+  EXPECT_GT(plane.lean_1.norm(), std::sqrt(structure / 5.0) / 0.25) << "the normal no better than such samples give it";
+}
+
 }  // namespace
 }  // namespace allan_lio

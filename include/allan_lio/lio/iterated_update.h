@@ -50,10 +50,15 @@ struct UpdateStep {
 UpdateStep solve_step(const LioState& iterate, const LioState& prior, const Belief& belief,
                       const NormalEquations& equations, bool estimate_extrinsics = true);
 
+struct ScanTimes {
+  double since_update;   ///< since the last update [s]
+  double smeared = 0.0;  ///< the scan's duration if it was deskewed with the predicted motion [s]
+};
+
 /// Registers the points (IMU frame at the scan's end, by the state's extrinsics) to the map: moves state, belief and
-/// absolute covariance to the posterior. `seconds`: since the last update.
+/// absolute covariance to the posterior.
 UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, const VoxelMap& map,
-                             const LioConfig& config, double seconds, PointToPlane& residuals, LioState& state,
+                             const LioConfig& config, const ScanTimes& times, PointToPlane& residuals, LioState& state,
                              Belief& belief, AbsoluteCovariance& absolute);
 
 }  // namespace allan_lio

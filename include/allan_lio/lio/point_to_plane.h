@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "allan_lio/lio/lio_result.h"
+#include "allan_lio/lio/residual_noise.h"
 #include "allan_lio/lio/task_pool.h"
 #include "allan_lio/map/voxel_map.h"
 
@@ -16,13 +17,6 @@ namespace allan_lio {
 constexpr int kResidualDof = 12;
 using ResidualMatrix = Eigen::Matrix<double, kResidualDof, kResidualDof>;
 using ResidualVector = Eigen::Matrix<double, kResidualDof, 1>;
-
-struct ResidualOptions {
-  double range_variance;     ///< of one range measurement, k_r included [m^2]
-  double gate;               ///< [sigma]
-  double robust_scale;       ///< [sigma]
-  bool estimate_extrinsics;  ///< else the last six rows and columns stay zero
-};
 
 using PoseRows = Eigen::Matrix<double, 6, kResidualDof>;
 
@@ -52,16 +46,16 @@ struct NormalEquations {
 };
 
 /// Point-to-plane residuals z = n^T (R q + p - c) of points q in the IMU frame at the scan's end, weighted by
-/// 1/(range noise + the plane's noise). The m points on one plane share its error, so each gets m times its
+/// the inverse of their noise (residual_noise.h). The m points on one plane share its error, so each gets m times its
 /// variance: together they tell no more than the plane itself knows.
 class PointToPlane {
  public:
   explicit PointToPlane(TaskPool& pool) : pool_(pool) {}
 
-  /// `pose_covariance` (rotation, translation) is that of the points' pose before the update, for the gate.
-  /// `last_epochs`, ascending, divide the planes into parts by their epochs, for information_of_parts().
+  /// `uncertainty` is that of the points' pose and motion before the update. `last_epochs`, ascending, divide the
+  /// planes into parts by their epochs, for information_of_parts().
   NormalEquations linearize(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
-                            const PoseMatrix& pose_covariance, const VoxelMap& map, const ResidualOptions& options,
+                            const ScanUncertainty& uncertainty, const VoxelMap& map, const ResidualOptions& options,
                             const std::vector<std::uint32_t>& last_epochs = {});
 
   /// What each part of the planes adds to the information of the pose, in the last linearisation. Planes beyond the

@@ -52,7 +52,7 @@ struct PlaneSums {
 
 struct PlaneLimits {
   double point_variance;  ///< of one point along the normal: the range noise's [m^2]
-  double max_thickness;   ///< 1 sigma of the points about the plane [m]
+  double max_structure;   ///< 1 sigma of the points about the plane, beyond the range noise [m]
   double max_lean;        ///< 1 sigma of the normal [rad]
   /// Least ratio of the spread inside the plane to the noise across it, as standard deviations: a strip narrower
   /// than its noise would pass for a plane across itself.
