@@ -79,19 +79,19 @@ def mark_log_axis(axes):
     axes.xaxis.set_minor_locator(matplotlib.ticker.NullLocator())
 
 
-def profile(entry, best, objective):
-    points = sorted((float(k), float(v)) for k, v in entry["points"] if math.isfinite(float(v)))
+def profile(name, points, interval, best, objective):
+    """`interval`: two ends, NaN where it is open, or None."""
     k, values = np.array(points).reshape(-1, 2).T
     figure, axes = plt.subplots(figsize=(5.2, 3.3), constrained_layout=True)
-    low, high = entry.get("interval") or (None, None)
-    if low is not None or high is not None:
-        axes.axvspan(low if low is not None else k[0], high if high is not None else k[-1], color=BAND, linewidth=0,
-                     label="95 % interval" + ("" if None not in (low, high) else ", open"))
+    if interval is not None:
+        closed = all(math.isfinite(end) for end in interval)
+        low, high = (end if math.isfinite(end) else edge for end, edge in zip(interval, (k[0], k[-1])))
+        axes.axvspan(low, high, color=BAND, linewidth=0, label="95 % interval" + ("" if closed else ", open"))
     base = values.min() if objective == "nll" else 0.0
     axes.plot(k, values - base, color=BLUE, marker="o", markersize=3.5, label="profile")
     axes.axvline(best, color=BLACK, linewidth=1, linestyle="--", label=f"best {short(best)}")
     label = "objective above its least [nats]" if objective == "nll" else "ATE [m]"
-    axes.set(xscale="log", xlabel=f"{entry['parameter']} [1]", ylabel=label)
+    axes.set(xscale="log", xlabel=f"{name} [1]", ylabel=label)
     if objective == "nll":
         # What lies a hundred times above the interval's level tells nothing and flattens what does.
         axes.set_ylim(-0.2, min(max(4.0, 1.05 * (values.max() - base)), 40.0))

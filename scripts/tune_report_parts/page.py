@@ -7,7 +7,7 @@ from html import escape
 
 from . import drawing, trajectories
 from .tables import settings_table, table
-from .tuning_data import COEFFICIENTS, BadInput, number
+from .tuning_data import COEFFICIENTS, BadInput, a_map, number
 
 OBJECTIVES = {"ate": "position error (ATE)", "nll": "negative log-likelihood of the innovations"}
 
@@ -58,7 +58,7 @@ def best_setting(tuning):
 def facts(tuning):
     """Means over the bags tuned on, before and after."""
     items = []
-    for name, label, unit in (("ate", "ATE, mean over the bags", " m"), ("nis_per_dof", "NIS per degree of freedom", "")):
+    for name, label, unit in (("ate", "ATE, mean over the bags", " m"), ("nis_per_dof", "NIS per degree of freedom, mean over the bags", "")):
         found = [(figure_of(c, "before", name), figure_of(c, "after", name)) for c in tuning.comparisons
                  if not tuning.held_out(c)]
         found = [pair for pair in found if all(math.isfinite(v) for v in pair)]
@@ -69,7 +69,7 @@ def facts(tuning):
 
 
 def figure_of(comparison, when, name):
-    entry = comparison.get(when) or {}
+    entry = a_map(comparison.get(when))
     if name != "nis_per_dof":
         return number(entry.get(name))
     dof = number(entry.get("dof"))
@@ -108,23 +108,36 @@ def profiles(tuning):
     objective = tuning.problem.get("objective")
     for entry in tuning.profiles:
         name = str(entry.get("parameter"))
-        if name not in COEFFICIENTS or not entry.get("points"):
+        points = profile_points(entry)
+        if name not in COEFFICIENTS or not points:
             parts.append(missing(f"The profile of {name} holds no points."))
             continue
         verdict, interval = str(entry.get("verdict", "")), interval_text(entry)
-        source = drawing.profile(entry, tuning.best_key[COEFFICIENTS.index(name)], objective)
+        source = drawing.profile(name, points, ends_of(entry, "interval"), tuning.best_key[COEFFICIENTS.index(name)], objective)
         parts.append(f"<div><h3>{name}: {escape(verdict)}</h3><p>{escape(interval)}</p>"
                      f'{figure(source, f"Profile of the objective along {name}: {verdict}. {interval}")}</div>')
     return section("profiles", title, f'<div class="pair">{"".join(parts)}</div>' if parts else
                    missing("No profiles were computed."))
 
 
+def profile_points(entry):
+    """Sorted pairs; what diverged is left out."""
+    points = [tuple(map(number, p)) for p in entry.get("points") or [] if isinstance(p, list) and len(p) == 2]
+    return sorted((k, value) for k, value in points if k > 0 and math.isfinite(value))
+
+
+def ends_of(entry, key):
+    """An interval's two ends, NaN where it is open; None if there is no interval."""
+    ends = entry.get(key)
+    return tuple(map(number, ends)) if isinstance(ends, list) and len(ends) == 2 else None
+
+
 def interval_text(entry):
     texts = []
     for key, name in (("interval", "95 % interval"), ("curvature_interval", "by the curvature")):
-        if entry.get(key):
-            ends = ("open" if v is None else drawing.short(number(v)) for v in entry[key])
-            texts.append(f"{name} {' to '.join(ends)}")
+        ends = ends_of(entry, key)
+        if ends:
+            texts.append(f"{name} {' to '.join(drawing.short(v) if math.isfinite(v) else 'open' for v in ends)}")
     return "; ".join(texts)
 
 

@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 
-from .tuning_data import BadInput
+from .tuning_data import BadInput, a_map
 
 
 def read_tum(path):
@@ -44,7 +44,7 @@ def compare(tuning, comparison):
     reference = read_tum(tuning.file(reference)) if reference else None
     paths = {}
     for name in ("before", "after"):
-        path = (comparison.get(name) or {}).get("trajectory")
+        path = a_map(comparison.get(name)).get("trajectory")
         if not path:
             continue
         stamps, positions = read_tum(tuning.file(path))

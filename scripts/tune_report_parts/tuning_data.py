@@ -57,6 +57,10 @@ def number(value):
         return math.nan
 
 
+def a_map(value):
+    return value if isinstance(value, dict) else {}
+
+
 def setting_key(setting):
     return tuple(1.0 if setting.get(name) is None else number(setting[name]) for name in COEFFICIENTS)
 
@@ -82,13 +86,15 @@ class Tuning:
         document = self.read_document()
         self.problem, self.best = self.part(document, "problem"), self.part(document, "best")
         self.best_key = setting_key(self.part(self.best, "setting"))
-        self.parameters = [name for name in self.entries(self.problem, "parameters") if name in COEFFICIENTS]
+        if not all(value > 0 and math.isfinite(value) for value in self.best_key):
+            raise BadInput(f"{self.path}: the best setting holds a coefficient that is no positive number")
+        self.parameters = [name for name in self.entries(self.problem, "parameters", str) if name in COEFFICIENTS]
         self.bags = self.entries(self.problem, "bags") + self.entries(self.problem, "hold_out")
         self.tuned_bags = len(self.entries(self.problem, "bags"))
-        self.profiles = [p for p in self.entries(document, "profiles") if isinstance(p, dict)]
-        before_after = document.get("before_after") or {}
-        self.before_key = setting_key(before_after.get("before") or {})
-        self.comparisons = [c for c in self.entries(before_after, "bags") if isinstance(c, dict)]
+        self.profiles = self.entries(document, "profiles")
+        before_after = a_map(document.get("before_after"))
+        self.before_key = setting_key(a_map(before_after.get("before")))
+        self.comparisons = self.entries(before_after, "bags")
         self.settings = self.read_settings(document)
         self.read_trials()
 
@@ -107,11 +113,11 @@ class Tuning:
             raise BadInput(f"{self.path}: has no map '{name}'")
         return parent[name]
 
-    def entries(self, parent, name):
-        found = parent.get(name)
-        if found is not None and not isinstance(found, list):
-            raise BadInput(f"{self.path}: '{name}' is no list")
-        return found or []
+    def entries(self, parent, name, kind=dict):
+        found = parent.get(name) or []
+        if not isinstance(found, list) or not all(isinstance(entry, kind) for entry in found):
+            raise BadInput(f"{self.path}: '{name}' is no list of {kind.__name__}s")
+        return found
 
     def read_settings(self, document):
         """By their coefficients; of a setting evaluated twice the last objective."""
@@ -155,7 +161,8 @@ class Tuning:
         """The two coefficients' values and a table of settings, if the trials form such a grid, else None."""
         i, j = COEFFICIENTS.index(first), COEFFICIENTS.index(second)
         others = [n for n in range(len(COEFFICIENTS)) if n not in (i, j)]
-        plane = {(k[i], k[j]): s for k, s in self.settings.items() if all(k[n] == self.best_key[n] for n in others)}
+        plane = {(k[i], k[j]): s for k, s in self.settings.items() if
+                 all(k[n] == self.best_key[n] for n in others) and k[i] > 0 and k[j] > 0}
         xs, ys = sorted({k[0] for k in plane}), sorted({k[1] for k in plane})
         # Profiles and a search's path are no grid: they fill a small part of the table.
         if len(xs) < 2 or len(ys) < 2 or len(plane) < 0.8 * len(xs) * len(ys):
