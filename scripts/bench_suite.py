@@ -124,6 +124,15 @@ def parse_seeds(text):
     return list(dict.fromkeys(seeds))
 
 
+def chosen(sequences, only, path):
+    """The names asked for, parted by commas; all if `only` is empty."""
+    names = only.split(",") if only else list(sequences)
+    for name in names:
+        if name not in sequences:
+            raise BenchError("--only: {} has no sequence '{}'".format(path, name))
+    return names
+
+
 # --- running ---------------------------------------------------------------------------------------------------------
 
 def digest(*parts):

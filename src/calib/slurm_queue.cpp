@@ -45,12 +45,6 @@ CommandOutcome run_shell(const std::string& command) {
   return outcome;
 }
 
-std::string shell_quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 void SlurmQueue::submit(const std::string& script, const std::vector<std::size_t>& tasks,
                         const std::string& log_pattern, const std::vector<std::string>& more_arguments) const {
   std::string command = "sbatch --parsable --job-name=" + shell_quoted(job_name_) + " --array=" + ranges_of(tasks) +

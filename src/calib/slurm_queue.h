@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "allan_lio/io/run_program.h"
+
 namespace allan_lio {
 
 struct CommandOutcome {
@@ -16,9 +18,6 @@ struct CommandOutcome {
 };
 
 CommandOutcome run_shell(const std::string& command);
-
-/// In quotes for the shell.
-std::string shell_quoted(const std::string& text);
 
 /// Slurm's commands, about all jobs of one name: after a lost answer to sbatch nobody knows the job's number.
 class SlurmQueue {

@@ -7,6 +7,7 @@
 
 #include "allan_lio/imu/noise_units.h"
 #include "allan_lio/io/number_text.h"
+#include "allan_lio/io/yaml_quoted.h"
 
 namespace allan_lio {
 namespace {
@@ -69,23 +70,6 @@ class Lister : public ParameterVisitor {
   std::vector<ParameterEntry> entries_;
 };
 
-std::string quoted(const std::string& text) {
-  const char* const digits = "0123456789abcdef";
-  std::string out = "\"";
-  for (const char c : text) {
-    const unsigned char byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (byte < 0x20 || byte == 0x7f) {
-      out += std::string("\\x") + digits[byte >> 4] + digits[byte & 15];
-    } else {
-      out += c;
-    }
-  }
-  return out + "\"";
-}
-
 std::vector<std::string> split_key(const std::string& key) {
   std::vector<std::string> parts;
   std::size_t begin = 0;
@@ -116,7 +100,7 @@ std::string range_text(const ParameterRange& range) {
 std::string yaml_value(const ParameterEntry& entry) {
   std::string list;
   for (const std::string& item : entry.items) {
-    list += (list.empty() ? "" : ", ") + (entry.kind == Kind::kText ? quoted(item) : item);
+    list += (list.empty() ? "" : ", ") + (entry.kind == Kind::kText ? yaml_quoted(item) : item);
   }
   if (entry.is_list) list = "[" + list + "]";
   return entry.kind == Kind::kQuantity ? "{value: " + list + ", unit: " + si_unit(entry.dimension) + "}" : list;

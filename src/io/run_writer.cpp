@@ -17,6 +17,7 @@
 #include "allan_lio/imu/observable_error.h"
 #include "allan_lio/io/config_source.h"
 #include "allan_lio/io/tum.h"
+#include "allan_lio/io/yaml_quoted.h"
 
 namespace allan_lio {
 namespace {
@@ -92,29 +93,9 @@ std::string states_row(const LioResult& result) {
   return out.str();
 }
 
-/// A YAML double-quoted scalar.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    const unsigned char byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      out += {'\\', c};
-    } else if (c == '\n') {
-      out += "\\n";
-    } else if (byte < 0x20 || byte == 0x7f) {
-      char escape[8];
-      std::snprintf(escape, sizeof(escape), "\\x%02x", byte);
-      out += escape;
-    } else {
-      out += c;
-    }
-  }
-  return out + "\"";
-}
-
 void put_list(std::ostream& out, const std::string& key, const std::vector<std::string>& items) {
   out << key << (items.empty() ? ": []\n" : ":\n");
-  for (const std::string& item : items) out << "  - " << quoted(item) << '\n';
+  for (const std::string& item : items) out << "  - " << yaml_quoted(item) << '\n';
 }
 
 void put_counters(std::ostream& out, const LioCounters& c) {
@@ -224,14 +205,15 @@ void RunWriter::write_summary(const RunSummary& summary) const {
   const std::string path = directory_ + "/summary.yaml";
   std::ofstream out(path);
   out.imbue(std::locale::classic());
-  out << "status: " << quoted(summary.status) << '\n';
+  out << "status: " << yaml_quoted(summary.status) << '\n';
   put_list(out, "inputs", summary.inputs);
   put_list(out, "notes", summary.notes);
   put_counters(out, summary.counters);
   put_times(out, scan_seconds_);
   out << "peak_rss_mb: " << peak_rss_mb() << "\nmap: {megabytes: " << summary.map_megabytes
       << ", voxels: " << summary.map_voxels << "}\n";
-  out << "parameters_hash: " << quoted(config_hash(config_)) << "\nparameters:\n" << indented(print_config(config_));
+  out << "parameters_hash: " << yaml_quoted(config_hash(config_)) << "\nparameters:\n"
+      << indented(print_config(config_));
   const std::string failure = close_failure(out, path);
   if (!failure.empty()) throw std::runtime_error(failure);
 }

@@ -1,6 +1,5 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <ros/package.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -22,6 +21,7 @@
 #include "allan_lio/io/imu_csv.h"
 #include "allan_lio/io/whole_file.h"
 #include "allan_lio/ros/imu_bag.h"
+#include "allan_lio/ros/program_files.h"
 
 namespace {
 
@@ -134,17 +134,6 @@ void read_bags(const Arguments& a, Recording& recording) {
   if (recording.record.tau0() > 0.0) set_units(a, "", "", recording.record);
 }
 
-/// Beside this program, where an installation has it, or in the package's source tree.
-std::string find_plot_script() {
-  std::error_code ignored;
-  const std::string beside = fs::read_symlink("/proc/self/exe", ignored).parent_path().string() + "/plot_allan";
-  if (fs::exists(beside)) return beside;
-  const std::string package = ros::package::getPath("allan_lio");
-  const std::string in_tree = package + "/scripts/plot_allan";
-  if (!package.empty() && fs::exists(in_tree)) return in_tree;
-  throw std::runtime_error("--plot: the script plot_allan is neither beside this program nor in the package allan_lio");
-}
-
 /// A directory under /tmp (or $TMPDIR) for what the script reads.
 class PlotInput {
  public:
@@ -197,7 +186,7 @@ void check_arguments(const Arguments& a) {
 
 int run(const Arguments& a) {
   check_arguments(a);
-  const std::string script = a.plot.empty() ? "" : find_plot_script();
+  const std::string script = a.plot.empty() ? "" : package_script("plot_allan");
   const int threads = a.threads > 0 ? a.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   StaticRecordOptions options;
   options.rate = a.rate;

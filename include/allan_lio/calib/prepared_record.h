@@ -41,11 +41,21 @@ class PreparedRecord {
 
   double megabytes() const;
 
+  /// As a file for other processes of this kind of machine, in one piece; reading it gives the same bits, in a tenth of
+  /// the time that a bag takes and a tenth of its size. Throw std::runtime_error naming the path; load() also for a
+  /// file that is cut off, damaged or of another format.
+  void save(const std::string& path) const;
+  static PreparedRecord load(const std::string& path);
+
   /// 64 bits that tell this content from any other: what is hashed are the samples, scans and poses themselves, so a
   /// bag that was moved, compressed or merged is the same one and a change of the decoder makes another.
   std::uint64_t digest() const;
 
  private:
+  /// Every number of the record in one order, from and to a file.
+  template <class Archive, class Record>
+  static void exchange(Archive& archive, Record& record);
+
   struct Point {
     float x, y, z;  ///< [m]
     std::int32_t offset_ns;

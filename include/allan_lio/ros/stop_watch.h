@@ -1,0 +1,28 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <signal.h>
+
+#include <atomic>
+#include <thread>
+
+namespace allan_lio {
+
+/// SIGINT and SIGTERM as a flag. Make it before any other thread: they are blocked in all that are started later.
+class StopWatch {
+ public:
+  StopWatch();
+  ~StopWatch();
+  StopWatch(const StopWatch&) = delete;
+  StopWatch& operator=(const StopWatch&) = delete;
+
+  const std::atomic<bool>& flag() const { return came_; }
+
+ private:
+  std::atomic<bool> came_{false}, over_{false};
+  sigset_t signals_{};
+  std::thread watcher_;
+};
+
+}  // namespace allan_lio

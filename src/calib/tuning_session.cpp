@@ -1,0 +1,144 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/calib/tuning_session.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "allan_lio/io/whole_file.h"
+
+namespace allan_lio {
+namespace {
+
+/// The average over the bags tuned on of what their innovations are worth.
+double mean_share(const std::vector<TracedRun>& runs, const std::vector<std::uint32_t>& bags) {
+  double sum = 0.0;
+  for (const std::uint32_t bag : bags) sum += runs[bag].independent_share;
+  return sum / static_cast<double>(bags.size());
+}
+
+/// As write_tum, but in one piece.
+void write_poses(const std::string& path, const Trajectory& trajectory) {
+  std::string text;
+  for (const StampedPose& pose : trajectory) text += format_tum_line(pose) + "\n";
+  write_whole(path, text);
+}
+
+/// Looks results up among those that are there; settings without all of theirs are left out.
+class Salvage {
+ public:
+  explicit Salvage(const std::vector<TrialRow>& rows) : rows_(rows) {}
+
+  const TrialResult* find(const NoiseTrial& trial) const {
+    const auto same = [&](const TrialRow& row) {
+      return row.first.bag == trial.bag && row.first.run == trial.run && same_setting(row.first.setting, trial.setting);
+    };
+    const auto found = std::find_if(rows_.begin(), rows_.end(), same);
+    return found == rows_.end() ? nullptr : &found->second;
+  }
+
+  /// In the order in which their first trial ended.
+  std::vector<NoiseSetting> complete_settings(const NoiseProblem& problem) const {
+    std::vector<NoiseSetting> settings;
+    for (const TrialRow& row : rows_) {
+      const NoiseSetting& setting = row.first.setting;
+      const auto known = [&](const NoiseSetting& other) { return same_setting(other, setting); };
+      if (std::none_of(settings.begin(), settings.end(), known) && complete(problem, setting))
+        settings.push_back(setting);
+    }
+    return settings;
+  }
+
+ private:
+  bool complete(const NoiseProblem& problem, const NoiseSetting& setting) const {
+    for (const std::uint32_t bag : problem.bags)
+      for (std::uint32_t run = 0; run < problem.runs; ++run)
+        if (find({bag, setting, run}) == nullptr) return false;
+    return true;
+  }
+
+  const std::vector<TrialRow>& rows_;
+};
+
+}  // namespace
+
+TuningSession::TuningSession(SessionSettings settings, const TrialProblem& problem, TrialEngine engine,
+                             TrialStore* store, const std::atomic<bool>* stop, OnFinished on_finished)
+    : settings_(std::move(settings)), problem_(problem), stop_(stop) {
+  check_problem(settings_.problem);
+  run_trials_ = cached(std::move(engine), problem, store,
+                       [this, on_finished = std::move(on_finished)](const FinishedTrial& finished) {
+                         rows_.emplace_back(finished.trial, finished.result);
+                         if (on_finished) on_finished(finished);
+                       });
+}
+
+void TuningSession::run(const OnPhase& on_phase) {
+  const NoiseSetting before = settings_.report.before;
+  const std::vector<TracedRun> runs_before = run_traced(problem_, before, settings_.jobs, stop_);
+  NoiseProblem& problem = settings_.problem;
+  if (settings_.estimate_nll_scale && problem.objective == TuningObjective::kNll)
+    problem.nll_scale = mean_share(runs_before, problem.bags);
+  evaluator_ = std::make_unique<NoiseEvaluator>(problem, run_trials_);
+  outcome_ = tune(*evaluator_, settings_.plan, on_phase);
+  if (!settings_.held_out.empty()) {
+    if (on_phase) on_phase("bags held out", 2);
+    NoiseProblem plain = problem;
+    plain.objective = TuningObjective::kNll;  // also where there is no truth
+    for (const NoiseSetting& setting : {before, best().setting})
+      held_out_.push_back(score(plain, run_trials_, setting, settings_.held_out));
+  }
+  compare(runs_before, run_traced(problem_, best().setting, settings_.jobs, stop_));
+  write_trials();
+  write_whole(
+      settings_.directory + "/best.yaml",
+      setting_yaml(
+          best().setting,
+          {"Found by tune_noise, " + std::string(name_of(settings_.plan.search)) + " search: " + outcome_.end + ".",
+           "Name it in your configuration's include list; a k that the configuration sets itself wins."}));
+  write_whole(settings_.directory + "/tuning.yaml", tuning_yaml(settings_.report, *evaluator_, outcome_));
+}
+
+void TuningSession::compare(const std::vector<TracedRun>& before, const std::vector<TracedRun>& after) {
+  settings_.report.comparisons.clear();
+  for (std::uint32_t bag = 0; bag < before.size(); ++bag) {
+    const std::string number = std::to_string(bag) + ".tum";
+    BagComparison comparison;
+    comparison.bag = bag;
+    comparison.before = kept(before[bag], "before_" + number);
+    comparison.after = kept(after[bag], "after_" + number);
+    const Trajectory& reference = problem_.bags()[bag].record.reference();
+    if (!reference.empty()) {
+      comparison.reference = "reference_" + number;
+      write_poses(settings_.directory + "/" + comparison.reference, reference);
+    }
+    settings_.report.comparisons.push_back(comparison);
+  }
+}
+
+ComparedRun TuningSession::kept(const TracedRun& run, const std::string& name) const {
+  if (run.trajectory.empty()) return {"", run.result};
+  write_poses(settings_.directory + "/" + name, run.trajectory);
+  return {name, run.result};
+}
+
+void TuningSession::write_trials() const { write_whole(settings_.directory + "/trials.csv", trials_csv(rows_)); }
+
+void TuningSession::write_what_there_is(const std::string& why) {
+  write_trials();
+  const Salvage salvage(rows_);
+  const std::vector<NoiseSetting> settings = salvage.complete_settings(settings_.problem);
+  if (settings.empty()) return;
+  NoiseEvaluator evaluator(settings_.problem, [&salvage](const std::vector<NoiseTrial>& trials) {
+    std::vector<TrialResult> results;
+    for (const NoiseTrial& trial : trials) results.push_back(*salvage.find(trial));
+    return results;
+  });
+  evaluator.evaluate(settings);
+  TuningOutcome outcome;
+  outcome.best = evaluator.best();
+  outcome.end = why;
+  write_whole(settings_.directory + "/tuning.yaml", tuning_yaml(settings_.report, evaluator, outcome));
+}
+
+}  // namespace allan_lio
