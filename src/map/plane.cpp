@@ -45,7 +45,7 @@ bool fit_plane(const PlaneSums& sums, const Eigen::Vector3d& origin, const Plane
   plane.normal = solver.eigenvectors().col(0);
   plane.lean_1 = lean_1 * solver.eigenvectors().col(2);
   plane.lean_2 = lean_2 * solver.eigenvectors().col(1);
-  plane.thickness = noise;
+  plane.thickness = thickness;
   plane.center_variance = center_variance;
   return true;
 }

@@ -1,5 +1,6 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 
 #include "allan_lio/map/voxel_map.h"
@@ -130,9 +131,10 @@ class PlaneVoxelMap : public VoxelMap {
     voxel.plane.epoch = static_cast<std::uint32_t>(voxel.epochs / voxel.sums.count);
   }
 
-  static bool belongs(const Eigen::Vector3d& point, const Plane& plane) {
+  bool belongs(const Eigen::Vector3d& point, const Plane& plane) const {
     const double distance = plane.distance(point);
-    return distance * distance < kGate * kGate * (plane.thickness + plane.variance_at(point));
+    const double variance = std::max(plane.thickness, limits_.point_variance) + plane.variance_at(point);
+    return distance * distance < kGate * kGate * variance;
   }
 
   VoxelMapOptions options_;

@@ -78,6 +78,7 @@ class PointVoxelMap : public VoxelMap {
     PlaneSums sums;
     for (const Eigen::Vector3d& offset : nearest.offset) sums.add(offset);
     if (!fit_plane(sums, point, limits_, scratch)) return nullptr;
+    scratch.thickness = std::max(scratch.thickness, limits_.point_variance);  // five points tell too little of it
     scratch.group = Plane::kNoGroup;
     scratch.epoch = nearest.epoch;
     return &scratch;

@@ -28,10 +28,12 @@ Plane ground() {
   plane.normal = {0, 0, 1};
   plane.lean_1 = {0.02, 0, 0};
   plane.lean_2 = {0, 0.05, 0};
-  plane.thickness = kRange * kRange;
   plane.center_variance = 1e-6;
   return plane;
 }
+
+const Eigen::Vector3d kPoint(6.0, 3.0, -1.5);
+const double kAcross = kRange * kRange * 1.5 * 1.5 / kPoint.squaredNorm();  ///< of the range's noise, along the normal
 
 ResidualVariance noise_of(const ResidualOptions& options, const ScanUncertainty& scan, const Plane& plane,
                           const Eigen::Vector3d& q) {
@@ -64,10 +66,23 @@ TEST(ResidualNoise, TheLeanTermIsTheSpreadOfWhatLeaningNormalsMakeOfThePosesErro
 TEST(ResidualNoise, AWellKnownPoseMakesNothingOfLeaningNormals) {
   ScanUncertainty scan;
   scan.iterate = 1e-10 * PoseMatrix::Identity();
-  const ResidualVariance noise = noise_of(kOptions, scan, ground(), {6.0, 3.0, -1.5});
+  const ResidualVariance noise = noise_of(kOptions, scan, ground(), kPoint);
   EXPECT_EQ(noise.lean, 0.0);
-  EXPECT_EQ(noise.own, kRange * kRange);
+  EXPECT_NEAR(noise.own, kAcross, 1e-12);
   EXPECT_EQ(noise.plane, 1e-6);
+}
+
+TEST(ResidualNoise, OfTheRangesNoiseTheNormalSeesTheCosine) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal(0.0, kRange);
+  const Plane plane = ground();
+  double sum = 0.0;
+  constexpr int kDraws = 100000;
+  for (int i = 0; i < kDraws; ++i) {
+    const double z = plane.normal.dot(kPoint.normalized() * normal(random));
+    sum += z * z;
+  }
+  EXPECT_NEAR(noise_of(kOptions, {}, plane, kPoint).own, sum / kDraws, 0.02 * sum / kDraws);
 }
 
 TEST(ResidualNoise, AGrazingBeamIsUncertainByItsSpot) {
@@ -77,16 +92,17 @@ TEST(ResidualNoise, AGrazingBeamIsUncertainByItsSpot) {
   // 20 m away and 2 m up: of the spot's quarter, 0.75 mrad * 20 m, all but a percent lies across the normal.
   const double range = std::hypot(20.0, 2.0);
   const double spot = 0.25 * 0.003 * range, sine = 20.0 / range;
-  EXPECT_NEAR(noise_of(options, {}, plane, {20.0, 0.0, -2.0}).own, kRange * kRange + spot * spot * sine * sine, 1e-12);
+  EXPECT_NEAR(noise_of(options, {}, plane, {20.0, 0.0, -2.0}).own, 0.02 * kRange * kRange + spot * spot * sine * sine,
+              1e-12);
   EXPECT_NEAR(noise_of(options, {}, plane, {0.0, 0.0, -2.0}).own, kRange * kRange, 1e-12) << "straight on";
 }
 
 TEST(ResidualNoise, AWrongVelocitySmearsAlongItsDirectionOnly) {
   ScanUncertainty scan;
   scan.smear = Eigen::Vector3d(0.0, 0.0, 0.04).asDiagonal();
-  EXPECT_NEAR(noise_of(kOptions, scan, ground(), {6.0, 3.0, -1.5}).own, kRange * kRange + 0.04, 1e-12);
+  EXPECT_NEAR(noise_of(kOptions, scan, ground(), kPoint).own, kAcross + 0.04, 1e-12);
   scan.smear = Eigen::Vector3d(0.04, 0.04, 0.0).asDiagonal();
-  EXPECT_NEAR(noise_of(kOptions, scan, ground(), {6.0, 3.0, -1.5}).own, kRange * kRange, 1e-12);
+  EXPECT_NEAR(noise_of(kOptions, scan, ground(), kPoint).own, kAcross, 1e-12);
 }
 
 TEST(ResidualNoise, KrScalesThePointsNoiseOnRoughSurfacesToo) {
@@ -95,7 +111,7 @@ TEST(ResidualNoise, KrScalesThePointsNoiseOnRoughSurfacesToo) {
   rough.thickness = 9 * kRange * kRange;
   for (const double k_r : {0.3, 1.0, 3.0}) {
     options.k_r = k_r;
-    const ResidualVariance noise = noise_of(options, {}, rough, {6.0, 3.0, -1.5});
+    const ResidualVariance noise = noise_of(options, {}, rough, kPoint);
     EXPECT_DOUBLE_EQ(noise.own, k_r * k_r * 9 * kRange * kRange);
     EXPECT_EQ(noise.plane, 1e-6) << "the map's noise is not the point's";
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "allan_lio/lio/localizability.h"
 #include "allan_lio/map/plane.h"
@@ -60,8 +61,11 @@ class ResidualNoise {
                       const Eigen::Vector3d& point, const PoseVector& lean_1, const PoseVector& lean_2) const {
     ResidualVariance out;
     const double squared_range = q.squaredNorm(), height = normal.dot(q);
-    // At grazing incidence the spot is long: a fraction of r * divergence * tan along the beam, times cos.
-    out.own = k_r_squared_ * (std::max(range_variance_, plane.thickness) + beam_ * (squared_range - height * height));
+    // Of the range's noise the cosine of the angle of incidence lies along the normal. At grazing incidence the spot is
+    // long: a fraction of r * divergence * tan along the beam, times that cosine.
+    const double squared_cosine = std::max(kLeastSquaredCosine, height * height / squared_range);
+    out.own = k_r_squared_ *
+              (std::max(range_variance_ * squared_cosine, plane.thickness) + beam_ * (squared_range - height * height));
     const double smear = smear_ + scan_.turn * squared_range;
     if (smear > kNegligible * range_variance_)
       out.own += plane.normal.dot(scan_.smear * plane.normal) + scan_.turn * squared_range;
@@ -76,8 +80,9 @@ class ResidualNoise {
   static constexpr double kLooks = 64.0;
 
  private:
-  static constexpr double kBeamSigma = 0.25;   ///< of the full angle: the spot is four sigma wide
-  static constexpr double kNegligible = 0.01;  ///< of the range's variance
+  static constexpr double kBeamSigma = 0.25;           ///< of the full angle: the spot is four sigma wide
+  static constexpr double kLeastSquaredCosine = 0.02;  ///< 8 deg: below it nothing is known of the spot
+  static constexpr double kNegligible = 0.01;          ///< of the range's variance
 
   double k_r_squared_, range_variance_, beam_;
   const ScanUncertainty& scan_;
