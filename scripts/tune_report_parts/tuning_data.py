@@ -163,8 +163,15 @@ class Tuning:
         others = [n for n in range(len(COEFFICIENTS)) if n not in (i, j)]
         plane = {(k[i], k[j]): s for k, s in self.settings.items() if
                  all(k[n] == self.best_key[n] for n in others) and k[i] > 0 and k[j] > 0}
-        xs, ys = sorted({k[0] for k in plane}), sorted({k[1] for k in plane})
-        # Profiles and a search's path are no grid: they fill a small part of the table.
-        if len(xs) < 2 or len(ys) < 2 or len(plane) < 0.8 * len(xs) * len(ys):
+        # Profiles and a search's path leave values that few settings have: without them a grid shows.
+        while plane:
+            xs, ys = sorted({k[0] for k in plane}), sorted({k[1] for k in plane})
+            if len(plane) >= 0.8 * len(xs) * len(ys):
+                break
+            shares = [(sum(k[axis] == v for k in plane) / len(values), axis, v)
+                      for axis, values, v in [(0, ys, v) for v in xs] + [(1, xs, v) for v in ys]]
+            _, axis, value = min(shares)
+            plane = {k: s for k, s in plane.items() if k[axis] != value}
+        if not plane or len(xs) < 2 or len(ys) < 2:
             return None
         return xs, ys, plane

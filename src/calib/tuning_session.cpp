@@ -125,6 +125,7 @@ ComparedRun TuningSession::kept(const TracedRun& run, const std::string& name) c
 void TuningSession::write_trials() const { write_whole(settings_.directory + "/trials.csv", trials_csv(rows_)); }
 
 void TuningSession::write_what_there_is(const std::string& why) {
+  if (rows_.empty()) return;
   write_trials();
   const Salvage salvage(rows_);
   const std::vector<NoiseSetting> settings = salvage.complete_settings(settings_.problem);

@@ -31,6 +31,13 @@ bool has_truth(const ScoredSetting& scored) {
                      [](const TrialResult& result) { return !std::isnan(result.ate); });
 }
 
+/// Whether the data tell of any coefficient that one value is better than another.
+bool any_told(const TuningOutcome& outcome) {
+  return std::any_of(outcome.profiles.begin(), outcome.profiles.end(), [](const NoiseProfile& profile) {
+    return profile.verdict != ProfileVerdict::kCannotBeTold && profile.verdict != ProfileVerdict::kNotJudged;
+  });
+}
+
 std::string best_part(const TuningSession& session) {
   const ScoredSetting& best = session.best();
   const NoiseProblem& problem = session.evaluator().problem();
@@ -47,7 +54,7 @@ std::string best_part(const TuningSession& session) {
     if (k <= problem.lowest_k || k >= problem.highest_k)
       text += "  WARNING: " + std::string(name_of(p)) + " lies at the end of the box (--box)\n";
   }
-  if (session.outcome().better_off_the_lists)
+  if (session.outcome().better_off_the_lists && any_told(session.outcome()))
     text += "  the profiles saw a better setting than any of the lists: try a finer list, or --search likelihood\n";
   if (!ate && problem.nll_scale < 1.0)
     text += "  successive innovations are not independent: each counts as " + number(problem.nll_scale, 3) +
@@ -58,8 +65,11 @@ std::string best_part(const TuningSession& session) {
 std::string table_part(const TuningSession& session) {
   const NoiseProblem& problem = session.evaluator().problem();
   const std::vector<ScoredSetting>& all = session.evaluator().evaluations();
-  std::vector<std::size_t> order(all.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<std::size_t> order = session.outcome().table;  // of a grid without its profiles
+  if (order.empty()) {
+    order.resize(all.size());
+    std::iota(order.begin(), order.end(), 0);
+  }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return all[a].objective < all[b].objective; });
   const bool truth = has_truth(session.best());
@@ -99,7 +109,7 @@ std::string profile_part(const TuningSession& session) {
 
 std::string change(const std::string& what, double before, double after, const std::string& unit) {
   if (!std::isfinite(before) && !std::isfinite(after)) return "";
-  return ", " + what + " " + number(before) + " -> " + number(after) + unit;
+  return ", " + what + " " + number(before, 6) + " -> " + number(after, 6) + unit;
 }
 
 double nis_per_dof(const TrialResult& r) { return r.nis_dof > 0 ? r.nis / static_cast<double>(r.nis_dof) : NAN; }
