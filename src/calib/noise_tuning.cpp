@@ -10,6 +10,8 @@ namespace {
 // What searches and profiles take of settings (noise_search.h, noise_profile.h), by the number of coefficients.
 constexpr std::size_t kUsualSearch[] = {20, 35, 65, 95, 120}, kUsualProfile[] = {11, 45, 70, 100, 130};
 
+constexpr double kNearby = 0.3;  // first step of ln k of a search that goes on from a former one's best
+
 class Tuning {
  public:
   Tuning(NoiseEvaluator& evaluator, const TuningPlan& plan, const OnPhase& on_phase)
@@ -28,7 +30,7 @@ class Tuning {
       outcome_.better_off_the_lists = lists;
       const std::size_t before = outcome_.best;
       if (lists || round == plan_.rounds) break;
-      search(usual(kUsualSearch) / 2);
+      search(usual(kUsualSearch));
       if (outcome_.best == before) break;
     }
     return std::move(outcome_);
@@ -55,8 +57,9 @@ class Tuning {
       case TuningSearch::kSequential:
         return search_in_turn();
       case TuningSearch::kLikelihood: {
-        begin("search", usual_settings);
+        begin("search", evaluator_.evaluations().empty() ? usual_settings : usual_settings / 2);
         LikelihoodSearchOptions options;
+        if (!evaluator_.evaluations().empty()) options.first_step = kNearby;
         if (plan_.budget > 0) options.most_settings = plan_.budget;
         return take(search_likelihood(evaluator_, options));
       }

@@ -73,14 +73,33 @@ TuningSession::TuningSession(SessionSettings settings, const TrialProblem& probl
                        });
 }
 
+std::vector<NoiseSetting> TuningSession::measure_nll_scale(const OnPhase& on_phase) {
+  NoiseProblem& problem = settings_.problem;
+  problem.nll_scale = 1.0;
+  NoiseEvaluator evaluator(problem, run_trials_);
+  TuningPlan plan = settings_.plan;
+  plan.with_profiles = false;
+  const TuningOutcome outcome = tune(evaluator, plan, on_phase);
+  const NoiseSetting& best = evaluator.evaluations()[outcome.best].setting;
+  problem.nll_scale = mean_share(run_traced(problem_, best, settings_.jobs, stop_), problem.bags);
+  std::vector<NoiseSetting> tried;
+  for (const ScoredSetting& scored : evaluator.evaluations()) tried.push_back(scored.setting);
+  return tried;
+}
+
 void TuningSession::run(const OnPhase& on_phase) {
   const NoiseSetting before = settings_.report.before;
   const std::vector<TracedRun> runs_before = run_traced(problem_, before, settings_.jobs, stop_);
-  NoiseProblem& problem = settings_.problem;
-  if (settings_.estimate_nll_scale && problem.objective == TuningObjective::kNll)
-    problem.nll_scale = mean_share(runs_before, problem.bags);
+  const NoiseProblem& problem = settings_.problem;
+  TuningPlan plan = settings_.plan;
+  std::vector<NoiseSetting> tried;
+  if (settings_.estimate_nll_scale && problem.objective == TuningObjective::kNll) {
+    tried = measure_nll_scale(on_phase);
+    if (plan.search == TuningSearch::kBayes) plan.budget = 1;  // it has spent its own; the scale moves little
+  }
   evaluator_ = std::make_unique<NoiseEvaluator>(problem, run_trials_);
-  outcome_ = tune(*evaluator_, settings_.plan, on_phase);
+  evaluator_->evaluate(tried);
+  outcome_ = tune(*evaluator_, plan, on_phase);
   if (!settings_.held_out.empty()) {
     if (on_phase) on_phase("bags held out", 2);
     NoiseProblem plain = problem;

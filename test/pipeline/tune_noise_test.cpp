@@ -131,6 +131,17 @@ TEST(TuneNoise, KilledAndStartedAgainItEndsWithTheSameResultToTheLastDigit) {
             without_command(contents_of(whole.file("tuning.yaml"))));
 }
 
+TEST(TuneNoise, WhatIsInTheStoreIsNotRunAgain) {
+  const TemporaryDirectory out;
+  const std::string command = grid_of("k_gb=1,30;k_ab=5", out.path());
+  ASSERT_EQ(run_tool(command).status, 0);
+  const std::string store = contents_of(out.file("trials.sqlite"));  // every write changes a counter in it
+  ASSERT_EQ(run_tool(command).status, 0);
+  EXPECT_TRUE(contents_of(out.file("trials.sqlite")) == store);
+  ASSERT_EQ(run_tool(command + " --seed 2").status, 0) << "other variations of the runs";
+  EXPECT_EQ(TrialStore(out.file("trials.sqlite")).size(), 4U + 2U) << "run 0 has none";
+}
+
 TEST(TuneNoise, InterruptedItWritesWhatThereIs) {
   const TemporaryDirectory out;
   const Running running(grid_of("k_gb=1,3,30;k_ab=1,10,20", out.path()) + " --jobs 1", out.path());
@@ -152,6 +163,8 @@ TEST(TuneNoise, BagsHeldOutAreScoredAndNotTunedOn) {
   expect_text(run.text, {"rooms.bag (held out): NLL"});
   const YAML::Node without = YAML::LoadFile(alone.file("tuning.yaml")), held = YAML::LoadFile(with.file("tuning.yaml"));
   EXPECT_EQ(YAML::Dump(held["evaluations"]), YAML::Dump(without["evaluations"]));
+  const auto share = without["problem"]["nll_scale"].as<double>();
+  EXPECT_TRUE(share > 0.05 && share <= 1.0) << share;
   EXPECT_EQ(without["before_after"]["bags"].size(), 1U);
   ASSERT_EQ(held["before_after"]["bags"].size(), 2U);
   EXPECT_EQ(held["before_after"]["bags"][1]["after"]["nll"].as<double>(),

@@ -19,10 +19,12 @@ struct SessionSettings {
   NoiseProblem problem;  ///< its bags come first in the TrialProblem
   std::vector<std::uint32_t> held_out;
   TuningPlan plan;
-  bool estimate_nll_scale = true;  ///< by the run with the configuration's noise; else problem.nll_scale holds
-  TuningReport report;             ///< without the comparisons; `before` is the configuration's noise
-  std::string directory;           ///< of the files
-  int jobs = 1;                    ///< for the runs before and after
+  /// For nll: a first search takes the innovations for white; what they are worth at its best (InnovationWhiteness, the
+  /// average over the bags) is problem.nll_scale of the search that counts, which goes on from there. Else it holds.
+  bool estimate_nll_scale = true;
+  TuningReport report;    ///< without the comparisons; `before` is the configuration's noise
+  std::string directory;  ///< of the files
+  int jobs = 1;           ///< for the runs before and after
 };
 
 /// A tuning from its trials to its files: before.tum and after.tum of every bag with reference.tum, tuning.yaml,
@@ -49,6 +51,8 @@ class TuningSession {
   const std::vector<ScoredSetting>& held_out() const { return held_out_; }
 
  private:
+  /// The first search: sets problem.nll_scale and gives the settings that it tried.
+  std::vector<NoiseSetting> measure_nll_scale(const OnPhase& on_phase);
   void compare(const std::vector<TracedRun>& before, const std::vector<TracedRun>& after);
   ComparedRun kept(const TracedRun& run, const std::string& name) const;
   void write_trials() const;
