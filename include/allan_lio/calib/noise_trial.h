@@ -27,7 +27,8 @@ struct NoiseTrial {
 /// What a run gave.
 struct TrialResult {
   double ate = std::numeric_limits<double>::quiet_NaN();  ///< RMSE of position after SE(3) alignment [m]; NaN: no truth
-  double end_error = std::numeric_limits<double>::quiet_NaN();  ///< position, first poses laid together [m]; NaN: no truth
+  double end_error =
+      std::numeric_limits<double>::quiet_NaN();  ///< position, first poses laid together [m]; NaN: no truth
   double nll = 0.0;           ///< sum over the scans of -log p(innovation), constants included; finite even if diverged
   double nis = 0.0;           ///< sum of the innovations' normalised squares
   std::uint64_t nis_dof = 0;  ///< and of their degrees of freedom
