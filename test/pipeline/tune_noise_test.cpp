@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sqlite3.h>
 #include <yaml-cpp/yaml.h>
 
 #include <chrono>
@@ -135,9 +136,12 @@ TEST(TuneNoise, WhatIsInTheStoreIsNotRunAgain) {
   const TemporaryDirectory out;
   const std::string command = grid_of("k_gb=1,30;k_ab=5", out.path());
   ASSERT_EQ(run_tool(command).status, 0);
-  const std::string store = contents_of(out.file("trials.sqlite"));  // every write changes a counter in it
+  sqlite3* store = nullptr;
+  ASSERT_EQ(sqlite3_open(out.file("trials.sqlite").c_str(), &store), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(store, "UPDATE trials SET ate = 0.125", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(store);
   ASSERT_EQ(run_tool(command).status, 0);
-  EXPECT_TRUE(contents_of(out.file("trials.sqlite")) == store);
+  EXPECT_EQ(YAML::LoadFile(out.file("tuning.yaml"))["best"]["objective"].as<double>(), 0.125) << "from the store";
   ASSERT_EQ(run_tool(command + " --seed 2").status, 0) << "other variations of the runs";
   EXPECT_EQ(TrialStore(out.file("trials.sqlite")).size(), 4U + 2U) << "run 0 has none";
 }
