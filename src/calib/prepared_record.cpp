@@ -44,8 +44,7 @@ void PreparedRecord::add(const Scan& scan) {
   if (!scan.thinned) throw std::invalid_argument("a scan of a prepared record must have been thinned");
   for (const ScanPoint& p : scan.points) points_.push_back({p.x, p.y, p.z, p.offset_ns});
   registered_.insert(registered_.end(), scan.registered.begin(), scan.registered.end());
-  scans_.push_back({scan.stamp, imu_.size(), points_.size(), registered_.size(), scan.first_offset_ns,
-                    scan.last_offset_ns, scan.dropped_invalid, scan.dropped_range, scan.thinned_away});
+  scans_.push_back({scan, imu_.size(), points_.size(), registered_.size()});
 }
 
 void PreparedRecord::set_reference(Trajectory reference) {
@@ -71,13 +70,8 @@ Scan PreparedRecord::scan(std::size_t index) const {
   const std::uint64_t first_point = index == 0 ? 0 : scans_[index - 1].points_end;
   const std::uint64_t first_registered = index == 0 ? 0 : scans_[index - 1].registered_end;
   Scan scan;
+  static_cast<ScanHeader&>(scan) = entry.header;
   scan.thinned = true;
-  scan.stamp = entry.stamp;
-  scan.first_offset_ns = entry.first_offset_ns;
-  scan.last_offset_ns = entry.last_offset_ns;
-  scan.dropped_invalid = entry.dropped_invalid;
-  scan.dropped_range = entry.dropped_range;
-  scan.thinned_away = entry.thinned_away;
   scan.points.reserve(entry.points_end - first_point);
   for (std::uint64_t i = first_point; i < entry.points_end; ++i)
     scan.points.push_back({points_[i].x, points_[i].y, points_[i].z, 0.0F, points_[i].offset_ns});
@@ -94,11 +88,7 @@ std::uint64_t PreparedRecord::digest() const {
   hash.add(imu_.size());
   for (const ImuSample& s : imu_) hash.add(s.stamp), hash.add_each(s.gyro), hash.add_each(s.accel);
   hash.add(scans_.size());
-  for (const Entry& e : scans_) {
-    hash.add(e.stamp), hash.add(e.samples_before), hash.add(e.points_end), hash.add(e.registered_end);
-    hash.add(e.first_offset_ns), hash.add(e.last_offset_ns);
-    hash.add(e.dropped_invalid), hash.add(e.dropped_range), hash.add(e.thinned_away);
-  }
+  for (const Entry& e : scans_) each_number(e, [&hash](const auto& number) { hash.add(number); });
   for (const Point& p : points_) hash.add(p.x), hash.add(p.y), hash.add(p.z), hash.add(p.offset_ns);
   for (const std::uint32_t index : registered_) hash.add(index);
   hash.add(reference_.size());

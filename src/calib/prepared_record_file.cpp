@@ -78,11 +78,7 @@ template <class Archive, class Record>
 void PreparedRecord::exchange(Archive& a, Record& record) {
   const auto three = [&a](auto& v) { a.number(v[0]), a.number(v[1]), a.number(v[2]); };
   a.each(record.imu_, [&](auto& s) { a.number(s.stamp), three(s.gyro), three(s.accel); });
-  a.each(record.scans_, [&](auto& e) {
-    a.number(e.stamp), a.number(e.samples_before), a.number(e.points_end), a.number(e.registered_end);
-    a.number(e.first_offset_ns), a.number(e.last_offset_ns);
-    a.number(e.dropped_invalid), a.number(e.dropped_range), a.number(e.thinned_away);
-  });
+  a.each(record.scans_, [&](auto& e) { each_number(e, [&a](auto& number) { a.number(number); }); });
   a.each(record.points_, [&](auto& p) { a.number(p.x), a.number(p.y), a.number(p.z), a.number(p.offset_ns); });
   a.each(record.registered_, [&](auto& index) { a.number(index); });
   a.each(record.reference_, [&](auto& p) {

@@ -15,6 +15,7 @@ constexpr float kCellOffset = 131072.0F;           // makes every cell's number 
 constexpr float kMostCells = 130000.0F;            // from the middle of a cube's face to its edge
 constexpr int kFirstShell = -20, kLastShell = 42;  // a micrometre and 4e12 m
 constexpr float kCellsPerLeaf = 1.5F;              // at the inner edge of a shell; at the outer one half of it
+constexpr float kLeastLargest = 1e-30F;            // [m]: its inverse is finite
 constexpr float kNearBorder = 0.1F;                // [m] of a shell's border: several sigma of the range noise
 
 float largest_of(const ScanPoint& p) { return std::max(std::max(std::abs(p.x), std::abs(p.y)), std::abs(p.z)); }
@@ -88,7 +89,7 @@ void ScanDownsampler::select(const std::vector<ScanPoint>& points, const std::ve
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t index = candidates ? (*candidates)[i] : static_cast<std::uint32_t>(i);
     const ScanPoint& p = points[index];
-    const float largest = largest_of(p), inverse = 1.0F / largest;
+    const float largest = largest_of(p), inverse = 1.0F / std::max(largest, kLeastLargest);
     const int shell = std::clamp(exponent_of(largest), kFirstShell, kLastShell);
     bool is_first = is_first_in(p, inverse, shell);
     // Near a border it is the noise that chooses the shell, so the point has to be first on either side of it.

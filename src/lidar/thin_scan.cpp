@@ -10,13 +10,9 @@ Scan thin_scan(const Scan& scan, double insert_leaf, double leaf, ScanDownsample
   std::vector<std::uint32_t> inserted;
   downsampler.select(scan.points, nullptr, insert_leaf, inserted);
   Scan thinned;
+  static_cast<ScanHeader&>(thinned) = scan;
   thinned.thinned = true;
-  thinned.stamp = scan.stamp;
-  thinned.first_offset_ns = scan.first_offset_ns;
-  thinned.last_offset_ns = scan.last_offset_ns;
-  thinned.dropped_invalid = scan.dropped_invalid;
-  thinned.dropped_range = scan.dropped_range;
-  thinned.thinned_away = scan.thinned_away + static_cast<std::uint32_t>(scan.points.size() - inserted.size());
+  thinned.thinned_away += static_cast<std::uint32_t>(scan.points.size() - inserted.size());
   thinned.points.reserve(inserted.size());
   for (const std::uint32_t index : inserted) thinned.points.push_back(scan.points[index]);
   downsampler.select(thinned.points, nullptr, leaf, thinned.registered);

@@ -143,7 +143,8 @@ void declare_lidar(ParameterVisitor& v, LioConfig& c) {
   v.number({"lidar/range_noise", "m", "1 sigma of a range measurement, from the LiDAR's data sheet."},
            lidar.range_noise, 0.02, Range::positive());
   v.number({"lidar/k_r", "1",
-            "Multiplier on range_noise; 1 is the data sheet's value. Raise it for rough or moving surroundings."},
+            "Multiplier on a point's noise (range_noise, beam_divergence, or the surface's roughness where it is "
+            "larger); 1 is as stated. Raise it for moving surroundings."},
            lidar.k_r, 1.0, Range::positive());
   v.number({"lidar/beam_divergence", "rad",
             "Full angle of a beam, from the LiDAR's data sheet: at grazing incidence its spot is long and the range "

@@ -1,7 +1,5 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -19,6 +17,7 @@
 #include "allan_lio/imu/noise_units.h"
 #include "allan_lio/io/allan_report.h"
 #include "allan_lio/io/imu_csv.h"
+#include "allan_lio/io/run_program.h"
 #include "allan_lio/io/whole_file.h"
 #include "allan_lio/ros/imu_bag.h"
 #include "allan_lio/ros/program_files.h"
@@ -160,17 +159,8 @@ class PlotInput {
 void plot(const std::string& script, const RecordAnalysis& analysis, const RecordOrigin& origin,
           const std::string& png) {
   const PlotInput input(analysis, origin);
-  std::vector<std::string> words = {script, "--table", input.table(), "--fits", input.fits(), "--out", png};
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(&word[0]);
-  argv.push_back(nullptr);
-  std::cout.flush();
-  pid_t child = 0;
-  int status = -1;
-  if (posix_spawn(&child, script.c_str(), nullptr, nullptr, argv.data(), environ) != 0)
-    throw std::runtime_error(script + " cannot be started");
-  if (waitpid(child, &status, 0) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw std::runtime_error(png + " was not drawn: " + script + " failed");
+  const ProgramOutcome drawn = run_program({script, "--table", input.table(), "--fits", input.fits(), "--out", png});
+  if (drawn.status != 0) throw std::runtime_error(png + " was not drawn: " + script + " failed: " + drawn.errors);
 }
 
 void check_arguments(const Arguments& a) {

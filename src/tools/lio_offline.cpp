@@ -1,6 +1,5 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <signal.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +12,7 @@
 #include "allan_lio/ros/lio_bag.h"
 #include "allan_lio/ros/lio_session.h"
 #include "allan_lio/ros/save_map.h"
+#include "allan_lio/ros/stop_signals.h"
 
 namespace {
 
@@ -44,24 +44,6 @@ LioConfig read(const Arguments& a) {
   if (a.threads > 0) source = merge(source, parse_override("threads=" + std::to_string(a.threads)));
   return read_config(source);
 }
-
-/// SIGINT and SIGTERM, asked for instead of interrupting. Make it before any thread.
-class StopRequest {
- public:
-  StopRequest() {
-    sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-  }
-  bool came() const {
-    const timespec no_time{};
-    return sigtimedwait(&signals_, nullptr, &no_time) > 0;
-  }
-
- private:
-  sigset_t signals_{};
-};
 
 /// A bar on a terminal, nothing elsewhere.
 class ProgressBar {
@@ -108,7 +90,7 @@ void print_summary(const LioSession& session, const Arguments& a) {
 }
 
 int run(const Arguments& a) {
-  const StopRequest stop;
+  const StopSignals stop;
   const LioConfig config = read(a);
   BagSource bags = open_lio_bags(a.bags, config.topics);
   LioSession session(config, a.out, {});
@@ -125,7 +107,7 @@ int run(const Arguments& a) {
       told_noise = true;
     }
     bar.show(message.time);
-    stopped = stop.came();
+    stopped = stop.flag();
   }
   if (!stopped) session.end_of_data();
   bar.clear();

@@ -17,7 +17,7 @@
 #include "allan_lio/io/run_program.h"
 #include "allan_lio/io/whole_file.h"
 #include "allan_lio/ros/program_files.h"
-#include "allan_lio/ros/stop_watch.h"
+#include "allan_lio/ros/stop_signals.h"
 #include "allan_lio/ros/tuning_bags.h"
 #include "allan_lio/ros/tuning_progress.h"
 
@@ -178,7 +178,7 @@ void write_report(const std::string& directory) {
 }
 
 int run(const TuningArguments& a, const std::string& command) {
-  const StopWatch stop;
+  const StopSignals stop;
   check_arguments(a);
   const Bags bags = find_bags(a);
   SessionSettings settings;

@@ -45,6 +45,12 @@ std::string without_command(const std::string& yaml) {
   return kept;
 }
 
+/// To the byte, but for the command line.
+void expect_same_results(const TemporaryDirectory& a, const TemporaryDirectory& b) {
+  EXPECT_EQ(contents_of(a.file("trials.csv")), contents_of(b.file("trials.csv")));
+  EXPECT_EQ(without_command(contents_of(a.file("tuning.yaml"))), without_command(contents_of(b.file("tuning.yaml"))));
+}
+
 void expect_text(const std::string& text, const std::vector<std::string>& parts) {
   for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << " is not in: " << text;
 }
@@ -127,9 +133,7 @@ TEST(TuneNoise, KilledAndStartedAgainItEndsWithTheSameResultToTheLastDigit) {
   EXPECT_LT(before, 12U);
   const Outcome again = run_tool(grid_of(values, killed.path()));
   ASSERT_EQ(again.status, 0) << again.text;
-  EXPECT_EQ(contents_of(killed.file("trials.csv")), contents_of(whole.file("trials.csv")));
-  EXPECT_EQ(without_command(contents_of(killed.file("tuning.yaml"))),
-            without_command(contents_of(whole.file("tuning.yaml"))));
+  expect_same_results(killed, whole);
 }
 
 TEST(TuneNoise, WhatIsInTheStoreIsNotRunAgain) {
@@ -210,9 +214,7 @@ TEST(TuneNoise, SlurmGivesTheLocalEnginesResultsTrialByTrial) {
   const Outcome run = run_tool(grid_of(values, slurm.path()) + " --engine slurm --slurm-poll 0.1 --slurm-directory " +
                                shell_quoted(slurm.file("it's shared")));
   ASSERT_EQ(run.status, 0) << run.text;
-  EXPECT_EQ(contents_of(slurm.file("trials.csv")), contents_of(local.file("trials.csv")));
-  EXPECT_EQ(without_command(contents_of(slurm.file("tuning.yaml"))),
-            without_command(contents_of(local.file("tuning.yaml"))));
+  expect_same_results(slurm, local);
 }
 
 TEST(TuneNoise, BadUseIsToldAndEndsWithTwo) {

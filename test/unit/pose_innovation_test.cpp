@@ -46,6 +46,16 @@ TEST(PoseInnovation, IsChiSquareWithSixDegreesOfFreedomForAnHonestFilter) {
   EXPECT_LT((second - PoseMatrix::Identity()).cwiseAbs().maxCoeff(), 0.12) << "white in every component";
 }
 
+TEST(PoseInnovation, LogDetIsThatOfTheCovarianceInMetres) {
+  constexpr double kScale = 7.0;
+  const PoseMatrix noise = random_covariance(1, 1e-3), prior = random_covariance(2, 2e-3);
+  const PoseMatrix information = noise.inverse();
+  const Localizability seen = judge_localizability(information, PoseMatrix::Zero(), kScale, 4.0);
+  const PoseInnovation found = pose_innovation(information, PoseVector::Ones(), prior, seen);
+  // Rotations count scale metres a radian, three of them.
+  EXPECT_NEAR(found.log_det, std::log((noise + prior).determinant()) + 6.0 * std::log(kScale), 1e-9);
+}
+
 TEST(PoseInnovation, DoesNotDependOnTheScaleThatMakesMetresOfRadians) {
   const PoseMatrix information = random_covariance(3, 1e-3).inverse(), prior = random_covariance(4, 1e-3);
   const PoseVector gradient = PoseVector::LinSpaced(-1e3, 2e3);

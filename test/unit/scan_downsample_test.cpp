@@ -41,6 +41,15 @@ TEST(ScanDownsampler, ATinyLeafKeepsEveryPointHoweverFar) {
   EXPECT_EQ(kept.size(), points.size());
 }
 
+TEST(ScanDownsampler, AbsurdRangesAreCellsLikeOthers) {
+  ScanDownsampler downsampler;
+  std::vector<std::uint32_t> kept;
+  const std::vector<ScanPoint> points = {
+      {1e-42F, -1e-43F, 0, 0, 0}, {3, 0.1F, 0.1F, 0, 1}, {-2e30F, 3e37F, 1e30F, 0, 2}};
+  downsampler.select(points, nullptr, 0.5, kept);
+  EXPECT_EQ(kept, (std::vector<std::uint32_t>{0, 1, 2}));
+}
+
 TEST(ScanDownsampler, NearAndFarPointsOfOneBeamAreBothKept) {
   ScanDownsampler downsampler;
   std::vector<std::uint32_t> kept;

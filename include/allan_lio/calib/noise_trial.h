@@ -11,10 +11,10 @@
 
 namespace allan_lio {
 
-/// What is tuned: the multipliers of the IMU's noise (paper, section on tuning) and of the LiDAR's range noise.
+/// What is tuned: the multipliers of the IMU's noise (paper, section on tuning) and of the noise of the LiDAR's points.
 struct NoiseSetting {
   NoiseScale imu;    ///< k_g, k_a, k_gb, k_ab
-  double k_r = 1.0;  ///< on the range noise
+  double k_r = 1.0;  ///< on a point's noise
 };
 
 /// One run of the filter: a bag, a setting, and which of the repeated runs.

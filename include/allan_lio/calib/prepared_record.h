@@ -32,8 +32,8 @@ class PreparedRecord {
   const Trajectory& reference() const { return reference_; }  ///< empty: there is no truth
   std::size_t scans() const { return scans_.size(); }
 
-  TimeNs scan_begin(std::size_t index) const { return scans_[index].stamp + scans_[index].first_offset_ns; }
-  TimeNs scan_end(std::size_t index) const { return scans_[index].stamp + scans_[index].last_offset_ns; }
+  TimeNs scan_begin(std::size_t index) const { return scans_[index].header.begin(); }
+  TimeNs scan_end(std::size_t index) const { return scans_[index].header.end(); }
   std::size_t samples_before(std::size_t scan) const { return scans_[scan].samples_before; }  ///< in order of arrival
 
   /// As it was added, without the intensities.
@@ -61,12 +61,19 @@ class PreparedRecord {
     std::int32_t offset_ns;
   };
   struct Entry {
-    TimeNs stamp;
+    ScanHeader header;
     std::uint64_t samples_before;
     std::uint64_t points_end, registered_end;  ///< one past its last in the common vectors
-    std::int32_t first_offset_ns, last_offset_ns;
-    std::uint32_t dropped_invalid, dropped_range, thinned_away;
   };
+
+  /// Every number of a scan's entry in one order.
+  template <class AnEntry, class OnNumber>
+  static void each_number(AnEntry& entry, const OnNumber& on_number) {
+    auto& h = entry.header;
+    on_number(h.stamp), on_number(entry.samples_before), on_number(entry.points_end), on_number(entry.registered_end);
+    on_number(h.first_offset_ns), on_number(h.last_offset_ns);
+    on_number(h.dropped_invalid), on_number(h.dropped_range), on_number(h.thinned_away);
+  }
 
   std::vector<ImuSample> imu_;
   std::vector<Entry> scans_;

@@ -45,7 +45,7 @@ struct LioConfig {
     double min_range;        ///< [m]
     double max_range;        ///< [m]
     double range_noise;      ///< 1 sigma [m]
-    double k_r;              ///< multiplier of range_noise
+    double k_r;              ///< multiplier of a point's noise
     double beam_divergence;  ///< full angle [rad]
     double leaf;             ///< width of the registration's downsampling cells [m]
     int min_points;          ///< a scan with fewer is not used

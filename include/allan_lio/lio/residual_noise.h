@@ -10,6 +10,7 @@
 
 namespace allan_lio {
 
+/// What all scans' residuals share.
 struct ResidualOptions {
   double range_variance;     ///< of one range measurement [m^2]
   double gate;               ///< [sigma]
@@ -55,8 +56,9 @@ class ResidualNoise {
         translation_(scan.iterate.diagonal().tail<3>().sum()),
         smear_(scan.smear.trace()) {}
 
-  /// `q` and `normal` in the IMU's frame [m], `point` in the world [m]; `lean_1`, `lean_2`: the residual's Jacobian
-  /// with the plane's leans for its normal.
+  /// `q` and `normal` in the IMU's frame [m], from whose origin the beam is taken to come (the LiDAR is some decimetres
+  /// away, which matters to none but the nearest points); `point` in the world [m]; `lean_1`, `lean_2`: the residual's
+  /// Jacobian with the plane's leans for its normal.
   ResidualVariance of(const Plane& plane, const Eigen::Vector3d& q, const Eigen::Vector3d& normal,
                       const Eigen::Vector3d& point, const PoseVector& lean_1, const PoseVector& lean_2) const {
     ResidualVariance out;

@@ -1,10 +1,10 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "allan_lio/ros/stop_watch.h"
+#include "allan_lio/ros/stop_signals.h"
 
 namespace allan_lio {
 
-StopWatch::StopWatch() {
+StopSignals::StopSignals() {
   sigemptyset(&signals_);
   sigaddset(&signals_, SIGINT);
   sigaddset(&signals_, SIGTERM);
@@ -15,7 +15,7 @@ StopWatch::StopWatch() {
   });
 }
 
-StopWatch::~StopWatch() {
+StopSignals::~StopSignals() {
   over_ = true;
   watcher_.join();
   pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);

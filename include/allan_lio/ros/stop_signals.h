@@ -10,12 +10,12 @@
 namespace allan_lio {
 
 /// SIGINT and SIGTERM as a flag. Make it before any other thread: they are blocked in all that are started later.
-class StopWatch {
+class StopSignals {
  public:
-  StopWatch();
-  ~StopWatch();
-  StopWatch(const StopWatch&) = delete;
-  StopWatch& operator=(const StopWatch&) = delete;
+  StopSignals();
+  ~StopSignals();
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
 
   const std::atomic<bool>& flag() const { return came_; }
 
