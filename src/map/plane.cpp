@@ -13,16 +13,26 @@ namespace {
 /// a scan shows hangs together: it counts as so many independent samples, however many points there are.
 constexpr double kStructures = 4.0;
 
+Eigen::Matrix3d matrix_of(const PlaneSums::Products& s) {
+  Eigen::Matrix3d out;
+  out << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+  return out;
+}
+
+/// What the range noise makes of the points along the normal, as they were seen.
+double expected_variance(const PlaneSums& sums, const Eigen::Vector3d& normal, double point_variance) {
+  if (sums.beams.isZero()) return point_variance;
+  const double squared_cosine = normal.dot(matrix_of(sums.beams) * normal) / sums.count;
+  return point_variance * std::max(squared_cosine, kLeastSquaredCosine);
+}
+
 }  // namespace
 
 bool fit_plane(const PlaneSums& sums, const Eigen::Vector3d& origin, const PlaneLimits& limits, Plane& plane) {
   if (sums.count < limits.min_points) return false;
   const double n = sums.count;
   const Eigen::Vector3d mean = sums.sum / n;
-  const auto& s = sums.products;
-  Eigen::Matrix3d scatter;
-  scatter << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-  scatter = scatter / n - mean * mean.transpose();
+  const Eigen::Matrix3d scatter = matrix_of(sums.products) / n - mean * mean.transpose();
 
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(scatter);
@@ -32,10 +42,11 @@ bool fit_plane(const PlaneSums& sums, const Eigen::Vector3d& origin, const Plane
   if (!(thickness <= limits.point_variance + limits.max_structure * limits.max_structure)) return false;
 
   // Regression of height on the two in-plane coordinates: variances of the offset and of the two slopes.
-  const double noise = std::max(thickness, limits.point_variance);
-  if (spread[1] < limits.least_aspect * limits.least_aspect * noise) return false;
+  if (spread[1] < limits.least_aspect * limits.least_aspect * std::max(thickness, limits.point_variance)) return false;
+  const double expected = expected_variance(sums, solver.eigenvectors().col(0), limits.point_variance);
+  const double noise = std::max(thickness, expected);
   // One deviation of the estimated thickness may well be the range noise's.
-  const double structure = std::max(0.0, thickness - limits.point_variance * (1.0 + std::sqrt(2.0 / n)));
+  const double structure = std::max(0.0, thickness - expected * (1.0 + std::sqrt(2.0 / n)));
   const double center_variance = noise / std::min<double>(n, limits.max_independent) + structure / kStructures;
   const double lean_1 = std::sqrt(center_variance / spread[2]);
   const double lean_2 = std::sqrt(center_variance / spread[1]);

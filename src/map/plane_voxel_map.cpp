@@ -45,6 +45,7 @@ class PlaneVoxelMap : public VoxelMap {
 
   void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor, std::uint32_t epoch) override {
     epoch_ = epoch;
+    sensor_ = sensor;
     for (const Eigen::Vector3d& p : points) {
       if (store_.is_full()) make_room(sensor);
       insert_point(p);
@@ -113,7 +114,7 @@ class PlaneVoxelMap : public VoxelMap {
       return;
     }
     if (voxel.sums.count >= kFullAfter) return;
-    voxel.sums.add(p - store_.voxel_center(c));
+    voxel.sums.add(p - store_.voxel_center(c), (p - sensor_).normalized());
     voxel.epochs += epoch_;
     if (voxel.is_touched) return;
     voxel.is_touched = true;
@@ -142,6 +143,7 @@ class PlaneVoxelMap : public VoxelMap {
   VoxelStore<PlaneVoxel> store_;
   std::vector<std::uint32_t> touched_;
   std::uint32_t epoch_ = 0;  ///< of the points that are being inserted
+  Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();  ///< where they were seen from [m]
 };
 
 }  // namespace

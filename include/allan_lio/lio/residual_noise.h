@@ -82,9 +82,8 @@ class ResidualNoise {
   static constexpr double kLooks = 64.0;
 
  private:
-  static constexpr double kBeamSigma = 0.25;           ///< of the full angle: the spot is four sigma wide
-  static constexpr double kLeastSquaredCosine = 0.02;  ///< 8 deg: below it nothing is known of the spot
-  static constexpr double kNegligible = 0.01;          ///< of the range's variance
+  static constexpr double kBeamSigma = 0.25;   ///< of the full angle: the spot is four sigma wide
+  static constexpr double kNegligible = 0.01;  ///< of the range's variance
 
   double k_r_squared_, range_variance_, beam_;
   const ScanUncertainty& scan_;

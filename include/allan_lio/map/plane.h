@@ -32,26 +32,41 @@ struct Plane {
   }
 };
 
+/// Of the angle of incidence, 8 deg from grazing: below it nothing is known of a beam's spot.
+constexpr double kLeastSquaredCosine = 0.02;
+
 /// Sums over points about a fixed origin near them, from which the plane follows.
 struct PlaneSums {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();                               ///< [m]
-  Eigen::Matrix<double, 6, 1> products = Eigen::Matrix<double, 6, 1>::Zero();  ///< xx xy xz yy yz zz [m^2]
+  using Products = Eigen::Matrix<double, 6, 1>;  ///< xx xy xz yy yz zz
+
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  ///< [m]
+  Products products = Products::Zero();           ///< of the points [m^2]
+  Products beams = Products::Zero();  ///< of the unit vectors along which they were seen, as far as these are known
   std::uint32_t count = 0;
 
   void add(const Eigen::Vector3d& p) {
     sum += p;
-    products[0] += p.x() * p.x();
-    products[1] += p.x() * p.y();
-    products[2] += p.x() * p.z();
-    products[3] += p.y() * p.y();
-    products[4] += p.y() * p.z();
-    products[5] += p.z() * p.z();
+    add_products(p, products);
     ++count;
+  }
+  void add(const Eigen::Vector3d& p, const Eigen::Vector3d& beam) {
+    add(p);
+    add_products(beam, beams);
+  }
+
+ private:
+  static void add_products(const Eigen::Vector3d& p, Products& to) {
+    to[0] += p.x() * p.x();
+    to[1] += p.x() * p.y();
+    to[2] += p.x() * p.z();
+    to[3] += p.y() * p.y();
+    to[4] += p.y() * p.z();
+    to[5] += p.z() * p.z();
   }
 };
 
 struct PlaneLimits {
-  double point_variance;  ///< of one point along the normal: the range noise's [m^2]
+  double point_variance;  ///< of one point along its beam: the range noise's [m^2]
   double max_structure;   ///< 1 sigma of the points about the plane, beyond the range noise [m]
   double max_lean;        ///< 1 sigma of the normal [rad]
   /// Least ratio of the spread inside the plane to the noise across it, as standard deviations: a strip narrower
