@@ -78,12 +78,16 @@ void AbsoluteCovariance::update(const UsedMeasurement& used, bool estimate_extri
                                         shift(used.state.nav.T_world_imu.translation - parts_[i].reference);
   }
   of_map.leftCols<6>() = -used.support * information;
-  const StateRows of_state = used.support * information * pose_rows(used.state, estimate_extrinsics);
-  const PoseMatrix noise = used.support * information * used.support.transpose();
+  const PoseMatrix of_scan = used.support * information;
+  const StateRows of_state = of_scan * pose_rows(used.state, estimate_extrinsics);
+  const PoseMatrix mixed_noise = of_state * used.scan.with_state * of_scan.transpose();
+  const PoseMatrix noise = of_scan * used.support.transpose() + of_scan * used.scan.noise * of_scan.transpose() -
+                           mixed_noise - mixed_noise.transpose();
 
-  const StateRows with_state = of_state * state_ + of_map * cross_.transpose();
+  const StateRows of_errors = of_state * state_ + of_map * cross_.transpose();
+  const StateRows with_state = of_errors - of_scan * used.scan.with_state.transpose();
   const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxDof> with_map = of_state * cross_ + of_map * own_;
-  const PoseMatrix covariance = with_state * of_state.transpose() + with_map * of_map.transpose() + noise;
+  const PoseMatrix covariance = of_errors * of_state.transpose() + with_map * of_map.transpose() + noise;
   const LioMatrix mixed = used.gain * with_state;
   const LioMatrix updated = state_ - mixed - mixed.transpose() + used.gain * covariance * used.gain.transpose();
   state_ = 0.5 * (updated + updated.transpose());

@@ -2,11 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/lio/iterated_update.h"
 
-#include <Eigen/LU>
 #include <cmath>
-
-#include "allan_lio/math/s2.h"
-#include "allan_lio/math/so3.h"
 
 namespace allan_lio {
 namespace {
@@ -15,32 +11,15 @@ constexpr int kLeastInliers = 20;
 constexpr double kViewTime = 2.0;   ///< [s] in which other planes come into view
 constexpr double kSupported = 0.5;  ///< support from which a direction counts as measured
 
-/// What the residuals see: pose, extrinsics, view.
-constexpr int kTouched = kResidualDof + 6;
-using TouchedMatrix = Eigen::Matrix<double, kTouched, kTouched>;
-using TouchedVector = Eigen::Matrix<double, kTouched, 1>;
-
-PoseMatrix pose_block(const LioMatrix& covariance, const PoseRows& rows) {
-  ResidualMatrix block;
-  block << covariance.topLeftCorner<6, 6>(), covariance.block<6, 6>(0, kExtrinsicRotation),
-      covariance.block<6, 6>(kExtrinsicRotation, 0), covariance.block<6, 6>(kExtrinsicRotation, kExtrinsicRotation);
-  return rows * block * rows.transpose();
-}
-
-/// Covariance of the LiDAR's pose relative to the planes in view.
-PoseMatrix relative_covariance(const Belief& belief, const PoseRows& rows) {
-  const PoseMatrix mixed = rows.leftCols<6>() * belief.view.cross.topRows<6>() +
-                           rows.rightCols<6>() * belief.view.cross.middleRows<6>(kExtrinsicRotation);
-  return pose_block(belief.covariance, rows) + belief.view.own - mixed - mixed.transpose();
-}
-
-/// What the prediction leaves uncertain. `duration` of the scan [s], 0 if it is not deskewed: a point's age has the
-/// mean square duration^2/3.
-ScanUncertainty scan_uncertainty(const Belief& belief, const PoseRows& rows, double duration) {
-  const double age = duration * duration / 3.0;
-  const PoseMatrix pose = relative_covariance(belief, rows);
+/// What the prediction leaves uncertain: a point's age has the mean square duration^2/3. (What the gyroscope's noise
+/// does to all points alike is in ScanError; by a sixth of it they deviate from that.)
+ScanUncertainty scan_uncertainty(const Belief& belief, const ScanError& scan, const PoseRows& rows,
+                                 const ScanConditions& conditions) {
+  const double age = conditions.deskewed * conditions.deskewed / 3.0;
+  const PoseMatrix pose = relative_covariance(belief.covariance, seen_error(belief.view, scan), rows);
   return {pose, pose, age * belief.covariance.block<3, 3>(kVelocity, kVelocity),
-          age * belief.covariance.diagonal().segment<3>(kGyroBias).maxCoeff()};
+          age * belief.covariance.diagonal().segment<3>(kGyroBias).maxCoeff() +
+              conditions.deskewed / 6.0 * conditions.gyro_psd.maxCoeff()};
 }
 
 Localizability judge(const NormalEquations& equations, const PointToPlane& residuals,
@@ -95,31 +74,6 @@ bool converged(const LioVector& step, const LioConfig::Update& options) {
 
 }  // namespace
 
-LioState lio_plus(const LioState& x, const LioVector& delta) {
-  LioState y;
-  y.nav = nav_plus(x.nav, delta.head<kNavDof>());
-  y.T_imu_lidar.rotation = (x.T_imu_lidar.rotation * exp_so3(delta.segment<3>(kExtrinsicRotation))).normalized();
-  y.T_imu_lidar.translation = x.T_imu_lidar.translation + delta.segment<3>(kExtrinsicTranslation);
-  return y;
-}
-
-LioVector lio_minus(const LioState& y, const LioState& x) {
-  LioVector delta;
-  delta.head<kNavDof>() = nav_minus(y.nav, x.nav);
-  delta.segment<3>(kExtrinsicRotation) = log_so3(x.T_imu_lidar.rotation.conjugate() * y.T_imu_lidar.rotation);
-  delta.segment<3>(kExtrinsicTranslation) = y.T_imu_lidar.translation - x.T_imu_lidar.translation;
-  return delta;
-}
-
-LioMatrix transport(const LioState& y, const LioState& x) {
-  const LioVector delta = lio_minus(y, x);
-  LioMatrix out = LioMatrix::Identity();
-  out.block<3, 3>(kTheta, kTheta) = right_jacobian(delta.segment<3>(kTheta));
-  out.block<2, 2>(kGravity, kGravity) = s2_minus_jacobian(y.nav.gravity_world, x.nav.gravity_world).inverse();
-  out.block<3, 3>(kExtrinsicRotation, kExtrinsicRotation) = right_jacobian(delta.segment<3>(kExtrinsicRotation));
-  return out;
-}
-
 ResidualOptions residual_options(const LioConfig& config) {
   const LioConfig::Lidar& lidar = config.lidar;
   return {lidar.range_noise * lidar.range_noise,
@@ -130,54 +84,20 @@ ResidualOptions residual_options(const LioConfig& config) {
           lidar.beam_divergence};
 }
 
-UpdateStep solve_step(const LioState& iterate, const LioState& prior, const Belief& belief,
-                      const NormalEquations& equations, bool estimate_extrinsics) {
-  const LioMatrix to_iterate = transport(iterate, prior);
-  const LioMatrix p = to_iterate * belief.covariance * to_iterate.transpose();
-  const Eigen::Matrix<double, kLioDof, 6> cross = to_iterate * belief.view.cross;
-  const LioVector pull = -to_iterate * lio_minus(iterate, prior);
-
-  Eigen::Matrix<double, kLioDof, kTouched> touched;
-  touched << p.leftCols<6>(), p.middleCols<6>(kExtrinsicRotation), cross;
-  Eigen::Matrix<double, kTouched, 6> with_view;
-  with_view << cross.topRows<6>(), cross.middleRows<6>(kExtrinsicRotation), belief.view.own;
-  TouchedMatrix seen;
-  seen << touched.topRows<6>(), touched.middleRows<6>(kExtrinsicRotation), with_view.transpose();
-  TouchedVector pulled;
-  pulled << pull.head<6>(), pull.segment<6>(kExtrinsicRotation), PoseVector::Zero();
-
-  // One gradient of the pose, as those of pose, extrinsics and view.
-  Eigen::Matrix<double, kTouched, 6> spread;
-  spread << lidar_pose_rows(iterate, estimate_extrinsics).transpose(), -PoseMatrix::Identity();
-  TouchedMatrix information;
-  information << equations.information, -equations.information.leftCols<6>(), -equations.information.topRows<6>(),
-      equations.information.topLeftCorner<6, 6>();
-  TouchedVector gradient;
-  gradient << equations.gradient, -equations.gradient.head<6>();
-
-  const Eigen::PartialPivLU<TouchedMatrix> lu(TouchedMatrix::Identity() + information * seen);
-  UpdateStep out;
-  out.step = pull + touched * lu.solve(gradient - information * pulled);
-  const LioMatrix updated = p - touched * lu.solve(information * touched.transpose());
-  out.posterior.covariance = 0.5 * (updated + updated.transpose());
-  out.posterior.view.cross = cross - touched * lu.solve(information * with_view);
-  out.posterior.view.own = belief.view.own;
-  out.gain = touched * lu.solve(spread);
-  return out;
-}
-
 UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, const VoxelMap& map,
-                             const LioConfig& config, const ScanTimes& times, PointToPlane& residuals, LioState& state,
-                             Belief& belief, AbsoluteCovariance& absolute) {
+                             const LioConfig& config, const ScanConditions& conditions, PointToPlane& residuals,
+                             LioState& state, Belief& belief, AbsoluteCovariance& absolute) {
   const ResidualOptions options = residual_options(config);
   const bool estimate = config.estimate_extrinsics;
-  ScanUncertainty uncertainty = scan_uncertainty(belief, lidar_pose_rows(state, estimate), times.smeared);
+  const ScanError scan = deskewing_error(conditions.deskewed, conditions.gyro_psd);
+  ScanUncertainty uncertainty = scan_uncertainty(belief, scan, lidar_pose_rows(state, estimate), conditions);
   const std::vector<std::uint32_t> last_epochs = absolute.last_epochs();
   const LioState prior = state;
   const Belief before = belief;
   Belief prior_belief = belief;  // the view has changed since
   UsedMeasurement used;
-  used.view_kept = std::exp(-times.since_update / kViewTime);
+  used.view_kept = std::exp(-conditions.since_update / kViewTime);
+  used.scan = scan;
 
   UpdateReport report;
   LioState iterate = prior;
@@ -197,8 +117,9 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
       report.innovation = pose_innovation(equations.information.topLeftCorner<6, 6>(), equations.gradient.head<6>(),
                                           uncertainty.pose, report.localizability);
     }
-    const UpdateStep solution = solve_step(
-        iterate, prior, prior_belief, weigh(equations, used.support, lidar_pose_rows(iterate, estimate)), estimate);
+    const UpdateStep solution =
+        solve_step(iterate, prior, prior_belief, scan,
+                   weigh(equations, used.support, lidar_pose_rows(iterate, estimate)), estimate);
     const LioState next = lio_plus(iterate, solution.step);
     const LioMatrix reset = transport(next, iterate);
     report.iterations = i + 1;
@@ -210,7 +131,7 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
     belief.covariance = reset * solution.posterior.covariance * reset.transpose();
     belief.view = {reset * solution.posterior.view.cross, solution.posterior.view.own};
     iterate = next;
-    uncertainty.iterate = relative_covariance(belief, lidar_pose_rows(iterate, estimate));
+    uncertainty.iterate = relative_covariance(belief.covariance, belief.view, lidar_pose_rows(iterate, estimate));
     if (converged(solution.step, config.update)) break;
   }
   absolute.transform(transport(used.state, prior));

@@ -66,7 +66,7 @@ TEST(IteratedUpdate, OneStepEqualsTheKalmanUpdateOfALinearProblem) {
   const LioVector expected = -gain * z;
   const LioMatrix expected_covariance = p - gain * h * p;
 
-  const UpdateStep once = solve_step(prior, prior, Belief{p, {}}, equations);
+  const UpdateStep once = solve_step(prior, prior, Belief{p, {}}, ScanError{}, equations);
   EXPECT_LT((once.step - expected).norm(), kRounding * expected.norm());
   EXPECT_LT((once.posterior.covariance - expected_covariance).norm(), kRounding * p.norm());
 }
@@ -84,10 +84,10 @@ TEST(IteratedUpdate, MoreIterationsOfALinearProblemStayAtTheOneStepSolution) {
     return e;
   };
   LioState iterate = prior;
-  const LioVector first = solve_step(prior, prior, Belief{p, {}}, measure(prior)).step;
+  const LioVector first = solve_step(prior, prior, Belief{p, {}}, ScanError{}, measure(prior)).step;
   LioMatrix covariance;
   for (int i = 0; i < 5; ++i) {
-    const UpdateStep step = solve_step(iterate, prior, Belief{p, {}}, measure(iterate));
+    const UpdateStep step = solve_step(iterate, prior, Belief{p, {}}, ScanError{}, measure(iterate));
     iterate = lio_plus(iterate, step.step);
     covariance = step.posterior.covariance;
   }
@@ -105,7 +105,7 @@ TEST(IteratedUpdate, AStateWithoutUncertaintyStaysWhereItIs) {
   e.information.setIdentity();
   e.gradient.setOnes();
   const LioState prior = state_at({0, 0, 0}, {0, 0, 0});
-  const UpdateStep step = solve_step(prior, prior, Belief{p, {}}, e);
+  const UpdateStep step = solve_step(prior, prior, Belief{p, {}}, ScanError{}, e);
   EXPECT_EQ(step.step.tail<6>().norm(), 0.0);
   EXPECT_EQ(step.posterior.covariance.bottomRows<6>().norm(), 0.0);
   EXPECT_TRUE(step.step.allFinite());
@@ -132,7 +132,7 @@ class RegisterToScene : public ::testing::Test {
     AbsoluteCovariance absolute;
     absolute.reset(p);
     const UpdateReport report =
-        iterated_update(points, *map, config_, ScanTimes{0.1}, residuals_, state, belief, absolute);
+        iterated_update(points, *map, config_, ScanConditions{0.1}, residuals_, state, belief, absolute);
     p = belief.covariance;
     return report;
   }
@@ -207,7 +207,7 @@ TEST_F(RegisterToScene, AnUpdateThatLosesItsMatchesOnTheWayChangesNothing) {
   AbsoluteCovariance absolute;
   absolute.reset(belief.covariance);
   const Belief before = belief;
-  EXPECT_FALSE(iterated_update(points, map, config_, ScanTimes{0.1}, residuals_, state, belief, absolute).applied);
+  EXPECT_FALSE(iterated_update(points, map, config_, ScanConditions{0.1}, residuals_, state, belief, absolute).applied);
   EXPECT_EQ(belief.covariance, before.covariance);
   EXPECT_EQ(belief.view.cross, before.view.cross);
   EXPECT_EQ(belief.view.own, before.view.own);
@@ -256,8 +256,8 @@ TEST_F(RegisterToScene, FlatGroundSaysNothingOfThePositionAlongItThroughTiltAndH
   Belief belief{p, {}};
   AbsoluteCovariance absolute;
   absolute.reset(p);
-  ASSERT_TRUE(
-      iterated_update(points, NoisyGround(), config_, ScanTimes{0.1}, residuals_, state, belief, absolute).applied);
+  ASSERT_TRUE(iterated_update(points, NoisyGround(), config_, ScanConditions{0.1}, residuals_, state, belief, absolute)
+                  .applied);
   constexpr double kLeastLeft = 0.98;  // of the variance
   EXPECT_GT(belief.covariance(kPosition, kPosition), kLeastLeft * 0.04);
   EXPECT_GT(belief.covariance(kPosition + 1, kPosition + 1), kLeastLeft * 0.04);

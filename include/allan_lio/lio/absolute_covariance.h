@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "allan_lio/lio/lio_result.h"
+#include "allan_lio/lio/scan_error.h"
 
 namespace allan_lio {
 
@@ -19,6 +20,7 @@ struct UsedMeasurement {
   std::vector<PoseMatrix> parts;  ///< unweighed information of the pose, by part of the map [1/rad^2, 1/m^2]
   PoseMatrix view_noise;          ///< covariance that ViewError went towards [rad^2, m^2]
   double view_kept;               ///< part of itself that ViewError kept
+  ScanError scan;                 ///< what deskewing added
 };
 
 /// The covariance of the run's error in the world of its first pose, whatever the filter believes.
@@ -47,9 +49,9 @@ class AbsoluteCovariance {
   void add(const LioMatrix& noise) { state_ += noise; }
 
   /// The filter has moved its state by gain times the weighted gradient of a scan:
-  ///   x+ = x - K (A_x x + A_m m + noise), A_x = T sum_i I_i, A_m = -T (view: sum_i I_i; part i: I_i), cov(noise) = T
-  ///   sum_i I_i T^T
-  /// with K the gain, T the support and I_i the parts.
+  ///   x+ = x - K (A_x x + A_m m - A n + noise), A = A_x = T sum_i I_i, A_m = -T (view: sum_i I_i; part i:
+  ///   I_i), cov(noise) = A T^T
+  /// with K the gain, T the support, I_i the parts and n the scan's error.
   void update(const UsedMeasurement& used, bool estimate_extrinsics);
 
   /// Points are put into the map at this pose. Returns the epoch to mark them with.
