@@ -56,6 +56,20 @@ std::vector<std::uint32_t> AbsoluteCovariance::last_epochs() const {
   return out;
 }
 
+std::vector<PoseMatrix> AbsoluteCovariance::relative_to_parts(const LioState& state, bool estimate_extrinsics) const {
+  const StateRows rows = pose_rows(state, estimate_extrinsics);
+  const PoseMatrix from_world = to_world(state).transpose();
+  std::vector<PoseMatrix> out;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const int at = column(i);
+    const PoseMatrix move = from_world * shift(state.nav.T_world_imu.translation - parts_[i].reference);
+    const PoseMatrix mixed = rows * cross_.middleCols<6>(at) * move.transpose();
+    out.push_back(rows * state_ * rows.transpose() + move * own_.block<6, 6>(at, at) * move.transpose() - mixed -
+                  mixed.transpose());
+  }
+  return out;
+}
+
 void AbsoluteCovariance::transform(const LioMatrix& T) {
   state_ = (T * state_ * T.transpose()).eval();
   cross_ = (T * cross_).eval();

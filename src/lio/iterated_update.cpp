@@ -17,7 +17,10 @@ ScanUncertainty scan_uncertainty(const Belief& belief, const ScanError& scan, co
                                  const ScanConditions& conditions) {
   const double age = conditions.deskewed * conditions.deskewed / 3.0;
   const PoseMatrix pose = relative_covariance(belief.covariance, seen_error(belief.view, scan), rows);
-  return {pose, pose, age * belief.covariance.block<3, 3>(kVelocity, kVelocity),
+  return {pose,
+          {},  // known to the absolute covariance alone
+          pose,
+          age * belief.covariance.block<3, 3>(kVelocity, kVelocity),
           age * belief.covariance.diagonal().segment<3>(kGyroBias).maxCoeff() +
               conditions.deskewed / 6.0 * conditions.gyro_psd.maxCoeff()};
 }
@@ -92,6 +95,7 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
   const ScanError scan = deskewing_error(conditions.deskewed, conditions.gyro_psd);
   ScanUncertainty uncertainty = scan_uncertainty(belief, scan, lidar_pose_rows(state, estimate), conditions);
   const std::vector<std::uint32_t> last_epochs = absolute.last_epochs();
+  uncertainty.parts = absolute.relative_to_parts(state, estimate);
   const LioState prior = state;
   const Belief before = belief;
   Belief prior_belief = belief;  // the view has changed since

@@ -21,7 +21,7 @@ PoseVector pose_row(const Eigen::Vector3d& q, const Eigen::Matrix3d& back, const
 struct Context {
   Eigen::Matrix3d rotation, back;
   Eigen::Vector3d translation;
-  const PoseMatrix& pose_covariance;
+  const ScanUncertainty& uncertainty;
   const ResidualOptions& options;
   ResidualNoise noise;
 
@@ -29,14 +29,14 @@ struct Context {
       : rotation(state.nav.T_world_imu.rotation.toRotationMatrix()),
         back(rotation.transpose()),
         translation(state.nav.T_world_imu.translation),
-        pose_covariance(uncertainty.pose),
+        uncertainty(uncertainty),
         options(residual_options),
         noise(residual_options, uncertainty) {}
 };
 
 /// Adds to the sums, but the information to its part. Returns the weight, 0 for an outlier.
 double add_residual(const Context& context, const Eigen::Vector3d& q, const Plane& plane, double sharing,
-                    NormalEquations& sum, PoseMatrix& information) {
+                    std::size_t part, NormalEquations& sum, PoseMatrix& information) {
   const ResidualOptions& options = context.options;
   const Eigen::Vector3d point = context.rotation * q + context.translation;
   const double z = plane.distance(point);
@@ -46,7 +46,9 @@ double add_residual(const Context& context, const Eigen::Vector3d& q, const Plan
   ++sum.matched;
   const ResidualVariance noise = context.noise.of(plane, q, context.back * plane.normal, point, lean_1, lean_2);
   const double single = noise.own + noise.plane;
-  const double pose_variance = row.dot(context.pose_covariance * row);
+  double pose_variance = row.dot(context.uncertainty.pose * row);
+  if (part < context.uncertainty.parts.size())
+    pose_variance = std::max(pose_variance, row.dot(context.uncertainty.parts[part] * row));
   if (z * z > options.gate * options.gate * (single + pose_variance)) return 0.0;
 
   const double variance = single + (sharing - 1.0) * noise.center + sharing * noise.lean;
@@ -138,8 +140,9 @@ NormalEquations PointToPlane::linearize(const std::vector<Eigen::Vector3f>& poin
     for (std::size_t i = begin; i < end; ++i) {
       if (!planes_[i]) continue;
       const double sharing = planes_[i]->group == Plane::kNoGroup ? 1.0 : shared_[planes_[i]->group];
-      weights_[i] = add_residual(context, points_imu[i].cast<double>(), *planes_[i], sharing, blocks_[block],
-                                 block_parts_[block * parts + part_of(planes_[i]->epoch, last_epochs)]);
+      const std::size_t part = part_of(planes_[i]->epoch, last_epochs);
+      weights_[i] = add_residual(context, points_imu[i].cast<double>(), *planes_[i], sharing, part, blocks_[block],
+                                 block_parts_[block * parts + part]);
     }
   });
   NormalEquations total;

@@ -53,6 +53,25 @@ TEST(AbsoluteCovariance, NothingIsLearntFromWhatWasPutIntoTheMapAtThePoseItself)
   EXPECT_NEAR(std::sqrt(absolute.state()(kPosition, kPosition)), kScan, 1e-9);
 }
 
+TEST(AbsoluteCovariance, ThePoseIsKnownAgainstWhatWasJustMadeAndNotAgainstWhatLiesBeforeTheDrift) {
+  AbsoluteCovariance absolute;
+  absolute.reset(LioMatrix::Zero());
+  LioState state;
+  state.nav.T_world_imu.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()));
+  absolute.remember(state, false);
+  absolute.add(position_noise(0.3));
+  state.nav.T_world_imu.translation << 20.0, 0.0, 0.0;
+  absolute.remember(state, false);
+  const std::vector<PoseMatrix> relative = absolute.relative_to_parts(state, false);
+  ASSERT_EQ(relative.size(), 2u);
+  EXPECT_NEAR(relative[0](3, 3), 0.09, 1e-12);
+  EXPECT_LT(relative[1].norm(), 1e-12);
+  LioMatrix turn = LioMatrix::Zero();
+  turn(kTheta + 2, kTheta + 2) = 1e-6;  // (0.001 rad)^2 after both
+  absolute.add(turn);
+  EXPECT_NEAR(absolute.relative_to_parts(state, false)[1](2, 2), 1e-6, 1e-15);
+}
+
 TEST(AbsoluteCovariance, IsTheSpreadOfTheErrorsThatAFilterMakes) {
   // The position walks, every fifth scan becomes a part of the map, and each scan is registered half to the newest part
   // and half to the one before, by a filter with a constant gain. No part is given up here.

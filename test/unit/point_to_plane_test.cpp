@@ -121,5 +121,27 @@ TEST(PointToPlane, TwoThreadsGiveTheSameBitsAsOne) {
   EXPECT_EQ(x.feigned, y.feigned);
 }
 
+TEST(PointToPlane, WhatWasSeenLongAgoMayLieAsideByWhatTheRunHasDriftedSince) {
+  constexpr double kAside = 0.2;
+  Plane old = some_plane(), recent = old;
+  old.epoch = 3, recent.epoch = 8;
+  const LioState state = some_state();
+  const Eigen::Vector3d point = old.center + kAside * old.normal;
+  const std::vector<Eigen::Vector3f> points{(state.nav.T_world_imu.inverse() * point).cast<float>()};
+  ResidualOptions options = kOptions;
+  options.gate = 3.0;
+  ScanUncertainty drifted;
+  drifted.parts = {kAside * kAside * Pose6::Identity(), Pose6::Zero()};
+  TaskPool pool(1);
+  PointToPlane residuals(pool);
+  const std::vector<std::uint32_t> last_epochs{5, 9};
+  const auto inliers = [&](const Plane& plane, const ScanUncertainty& uncertainty) {
+    return residuals.linearize(points, state, uncertainty, OnePlaneMap(plane), options, last_epochs).inliers;
+  };
+  EXPECT_EQ(inliers(old, ScanUncertainty{}), 0);
+  EXPECT_EQ(inliers(old, drifted), 1);
+  EXPECT_EQ(inliers(recent, drifted), 0) << "that part of the map has not drifted away";
+}
+
 }  // namespace
 }  // namespace allan_lio

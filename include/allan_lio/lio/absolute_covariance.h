@@ -43,6 +43,9 @@ class AbsoluteCovariance {
   /// The epochs at which the parts of the map end, ascending.
   std::vector<std::uint32_t> last_epochs() const;
 
+  /// Covariance of the LiDAR's pose (as one of the IMU's) against each part of the map.
+  std::vector<PoseMatrix> relative_to_parts(const LioState& state, bool estimate_extrinsics) const;
+
   /// The state's error goes over to T times itself.
   void transform(const LioMatrix& T);
   /// Independent errors come on top.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <vector>
 
 #include "allan_lio/lio/localizability.h"
 #include "allan_lio/map/plane.h"
@@ -23,6 +24,9 @@ struct ResidualOptions {
 /// What the prediction leaves uncertain about a scan.
 struct ScanUncertainty {
   PoseMatrix pose = PoseMatrix::Zero();  ///< covariance of the predicted pose against the map (rotation, translation)
+  /// The same against each part of the map, for the gate: what was seen long ago may lie aside by all that the run has
+  /// drifted since, and who takes it for something else will never find back.
+  std::vector<PoseMatrix> parts;
   /// The same of the pose that the residuals are taken at: along what an iteration has measured it is small.
   PoseMatrix iterate = PoseMatrix::Zero();
   /// Covariance by which deskewing with a wrong velocity smears the points, over the scan [m^2], world.
