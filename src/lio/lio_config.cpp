@@ -274,7 +274,9 @@ void declare_frames(ParameterVisitor& v, LioConfig::Frames& frames) {
 
 void declare_parameters(ParameterVisitor& v, LioConfig& c) {
   v.text({"topics/imu", "", "Topic of sensor_msgs/Imu."}, c.topics.imu, "/imu/data");
-  v.text({"topics/lidar", "", "Topic of sensor_msgs/PointCloud2."}, c.topics.lidar, "/points");
+  v.text({"topics/lidar", "",
+          "Topic of sensor_msgs/PointCloud2, or of CustomMsg of livox_ros_driver or livox_ros_driver2."},
+         c.topics.lidar, "/points");
   declare_imu(v, c.imu);
   declare_lidar(v, c);
   declare_map(v, c.map);

@@ -6,8 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "allan_lio/ros/cloud_layout.h"
+#include "allan_lio/ros/cloud_wire.h"
 #include "allan_lio/ros/conversions.h"
+#include "allan_lio/ros/livox_custom.h"
 
 namespace allan_lio {
 namespace {
@@ -183,26 +184,49 @@ DecodedCloud CloudDecoder::decode(const sensor_msgs::PointCloud2& cloud) {
   DecodedCloud decoded;
   const std::optional<CloudLayout> layout = read_layout(cloud, options_.time_field, decoded.error);
   if (!layout) return decoded;
-  const TimeNs stamp = to_time_ns(cloud.header.stamp);
+  if (options_.deskew && layout->points() > 0 && !layout->time) {
+    decoded.error = missing_time(cloud, options_.time_field);
+    return decoded;
+  }
+  return decode(*layout, to_time_ns(cloud.header.stamp));
+}
+
+DecodedCloud CloudDecoder::decode(const RawCloud& cloud) {
+  DecodedCloud decoded;
+  const std::optional<CloudKind> kind = cloud_kind(cloud, decoded.error);
+  if (!kind) return decoded;
+  if (*kind == CloudKind::kLivoxCustom) {
+    const std::optional<LivoxCustom> livox = read_livox_custom(cloud.bytes, cloud.size, decoded.error);
+    return livox ? decode(livox->layout, livox->stamp) : decoded;
+  }
+  if (!holds_point_cloud(cloud.bytes, cloud.size)) {
+    decoded.error = "the cloud's " + std::to_string(cloud.size) + " bytes end before what its lengths announce";
+    return decoded;
+  }
+  sensor_msgs::PointCloud2 message;
+  // IStream takes a pointer to non-const although it only reads.
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(cloud.bytes), static_cast<std::uint32_t>(cloud.size));
+  ros::serialization::deserialize(stream, message);
+  return decode(message);
+}
+
+DecodedCloud CloudDecoder::decode(const CloudLayout& layout, TimeNs stamp) {
+  DecodedCloud decoded;
   Scan scan;
   scan.stamp = stamp + to_ns(options_.time_offset);
   const RangeLimits limits{static_cast<float>(options_.min_range * options_.min_range),
                            static_cast<float>(options_.max_range * options_.max_range)};
   if (!options_.deskew) {
-    read_points_at(*layout, limits, NoTime{}, scan);
-  } else if (layout->points() > 0) {
-    if (!layout->time) {
-      decoded.error = missing_time(cloud, options_.time_field);
-      return decoded;
-    }
-    if (!detector_.settled()) detector_.examine(gather_evidence(*layout, stamp));
+    read_points_at(layout, limits, NoTime{}, scan);
+  } else if (layout.points() > 0) {
+    if (!detector_.settled()) detector_.examine(gather_evidence(layout, stamp));
     if (!detector_.rule()) {
       decoded.error = detector_.refusal();
       return decoded;
     }
     const PointTimeRule& rule = *detector_.rule();
     const bool floating = rule.origin == Origin::kSweepStart || rule.origin == Origin::kSweepEnd;
-    read_timed(*layout, limits, PointTimeScale(rule, stamp, floating ? any_raw_time(*layout) : 0.0), scan);
+    read_timed(layout, limits, PointTimeScale(rule, stamp, floating ? any_raw_time(layout) : 0.0), scan);
     move_to_stamp(rule.origin, scan);
   }
   decoded.scan = std::move(scan);

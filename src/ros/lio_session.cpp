@@ -84,8 +84,15 @@ void LioSession::restart(TimeNs stamp) {
   new_cloud_to_come_ = true;
 }
 
+std::string LioSession::add(const RawCloud& message) { return add_cloud(message, stamp_of(message).value_or(0)); }
+
 std::string LioSession::add(const sensor_msgs::PointCloud2& message) {
-  if (new_cloud_to_come_ && to_time_ns(message.header.stamp) > watch_.newest() + RecordingWatch::kBackInTime) return "";
+  return add_cloud(message, to_time_ns(message.header.stamp));
+}
+
+template <class Cloud>
+std::string LioSession::add_cloud(const Cloud& message, TimeNs stamp) {
+  if (new_cloud_to_come_ && stamp > watch_.newest() + RecordingWatch::kBackInTime) return "";
   new_cloud_to_come_ = false;
   std::string error;
   {

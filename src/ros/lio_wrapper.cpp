@@ -39,10 +39,10 @@ void LioWrapper::on_imu(const sensor_msgs::ImuConstPtr& message) {
   if (!finished_) session_->add(*message);
 }
 
-void LioWrapper::on_cloud(const sensor_msgs::PointCloud2ConstPtr& message) {
+void LioWrapper::on_cloud(const topic_tools::ShapeShifter::ConstPtr& message) {
   ++scans_received_;
   if (finished_) return;
-  const std::string error = session_->add(*message);
+  const std::string error = session_->add(to_raw_cloud(*message, cloud_bytes_));
   if (!error.empty()) ROS_ERROR_STREAM_THROTTLE(2.0, "scan refused: " << error);
   tell_news();
 }

@@ -30,7 +30,7 @@ class Recorder {
     try {
       take_lio_message(
           message, config_.topics, [this](const sensor_msgs::Imu& imu) { add(imu); },
-          [this](const sensor_msgs::PointCloud2& cloud) { add(cloud); });
+          [this](const RawCloud& cloud) { add(cloud); });
     } catch (const ros::serialization::StreamOverrunException&) {
       refuse("its bytes end too early");
     }
@@ -66,7 +66,7 @@ class Recorder {
     record_.add(sample);
   }
 
-  void add(const sensor_msgs::PointCloud2& message) {
+  void add(const RawCloud& message) {
     const DecodedCloud decoded = decoder_.decode(message);
     if (!decoded.scan) return refuse(decoded.error);
     record_.add(thin_scan(*decoded.scan, config_.map.insert_leaf, config_.lidar.leaf, downsampler_));

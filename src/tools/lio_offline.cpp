@@ -73,7 +73,7 @@ void feed(const BagMessage& message, const LioConfig& config, LioSession& sessio
   try {
     take_lio_message(
         message, config.topics, [&session](const sensor_msgs::Imu& imu) { session.add(imu); },
-        [&session](const sensor_msgs::PointCloud2& cloud) { session.add(cloud); });
+        [&session](const RawCloud& cloud) { session.add(cloud); });
   } catch (const ros::serialization::StreamOverrunException&) {
     session.count_undecodable("its bytes end too early");
   }

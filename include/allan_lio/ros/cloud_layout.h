@@ -28,6 +28,7 @@ struct CloudLayout {
   std::size_t row_step = 0, point_step = 0;  ///< [bytes]
   CloudField x, y, z;
   std::optional<CloudField> intensity, time;
+  std::optional<CloudField> tag;  ///< Livox's remark on the point
 
   std::size_t points() const { return rows * columns; }
 };

@@ -10,6 +10,8 @@
 #include "allan_lio/lidar/point_time.h"
 #include "allan_lio/lidar/scan.h"
 #include "allan_lio/lio/lio_config.h"
+#include "allan_lio/ros/cloud_layout.h"
+#include "allan_lio/ros/raw_cloud.h"
 
 namespace allan_lio {
 
@@ -19,19 +21,24 @@ struct DecodedCloud {
   std::string error;
 };
 
-/// sensor_msgs/PointCloud2 of any driver to Scan, in one pass over the bytes. x, y, z are float32 or float64;
-/// intensity (may be absent) and point time are of any numeric type. Invalid points (NaN, inf, all zero, a time
-/// that is no time) and points out of range are dropped and counted.
+/// sensor_msgs/PointCloud2 of any driver, or Livox's CustomMsg, to Scan, in one pass over the bytes. x, y, z are
+/// float32 or float64; intensity (may be absent) and point time are of any numeric type. Invalid points (NaN, inf, all
+/// zero, a time that is no time) and points out of range are dropped and counted.
 class CloudDecoder {
  public:
   explicit CloudDecoder(const LioConfig::Lidar& options);
 
   DecodedCloud decode(const sensor_msgs::PointCloud2& cloud);
 
+  /// The same for the bytes of either type. Bytes that lie about their lengths are an error, and make room for nothing.
+  DecodedCloud decode(const RawCloud& cloud);
+
   /// One line on the point times; empty until a scan has been seen.
   std::string verdict() const;
 
  private:
+  DecodedCloud decode(const CloudLayout& layout, TimeNs stamp);
+
   LioConfig::Lidar options_;
   PointTimeDetector detector_;
 };

@@ -34,7 +34,8 @@ class LioSession {
   /// settles what it has and starts again.
   void add(const sensor_msgs::Imu& message);
 
-  /// Why the cloud could not be decoded; empty if it could.
+  /// A cloud of any type. Why it could not be decoded; empty if it could.
+  std::string add(const RawCloud& message);
   std::string add(const sensor_msgs::PointCloud2& message);
 
   /// A message that could not even be deserialised.
@@ -73,6 +74,8 @@ class LioSession {
   double imu_interval() const;                         ///< mean time between IMU samples [s], 0 if unknown
 
  private:
+  template <class Cloud>
+  std::string add_cloud(const Cloud& message, TimeNs stamp);
   void take_results();
   void restart(TimeNs stamp);
 

@@ -8,10 +8,11 @@
 #include <ros/subscriber.h>
 #include <ros/wall_timer.h>
 #include <sensor_msgs/Imu.h>
-#include <sensor_msgs/PointCloud2.h>
+#include <topic_tools/shape_shifter.h>
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "allan_lio/ros/lio_session.h"
 #include "allan_lio/ros/param_source.h"
@@ -28,7 +29,7 @@ class LioWrapper {
 
  private:
   void on_imu(const sensor_msgs::ImuConstPtr& message);
-  void on_cloud(const sensor_msgs::PointCloud2ConstPtr& message);
+  void on_cloud(const topic_tools::ShapeShifter::ConstPtr& message);
   void on_map_timer(const ros::WallTimerEvent&);
   bool on_finish(Finish::Request& request, Finish::Response& response);
   /// Settles everything and completes the files, once.
@@ -43,6 +44,7 @@ class LioWrapper {
   std::string told_verdict_;
   bool told_noise_ = false;
   std::uint64_t told_restarts_ = 0;
+  std::vector<std::uint8_t> cloud_bytes_;
   bool finished_ = false;
   std::string trouble_;  ///< why the results are not complete
 
