@@ -133,6 +133,10 @@ void declare_lidar(ParameterVisitor& v, LioConfig& c) {
           "Name of the point-time field; empty: t, time, timestamp, time_stamp or offset_time, whichever is there. "
           "Change it for a driver of your own."},
          lidar.time_field, "");
+  v.flag({"lidar/drop_tagged", "",
+          "Drop the points that a Livox marks as noise (field tag, uint8: bit 5, as FAST-LIO2 drops them). Turn it off "
+          "to keep third returns and points of low confidence."},
+         lidar.drop_tagged, true);
   v.number({"lidar/time_offset", "s",
             "Added to the LiDAR's stamps to reach the IMU's clock. Change it when the two are not synchronised."},
            lidar.time_offset, 0.0, Range::between(-1.0, 1.0));

@@ -58,6 +58,7 @@ LioSession::~LioSession() {
 }
 
 void LioSession::add(const sensor_msgs::Imu& message) {
+  remarks_.imu_frame(message.header.frame_id);
   const ImuSample sample = to_imu_sample(message);
   TimeNs before = watch_.newest();
   if (watch_.begins_anew(sample.stamp)) restart(before = sample.stamp);
@@ -84,9 +85,14 @@ void LioSession::restart(TimeNs stamp) {
   new_cloud_to_come_ = true;
 }
 
-std::string LioSession::add(const RawCloud& message) { return add_cloud(message, stamp_of(message).value_or(0)); }
+std::string LioSession::add(const RawCloud& message) {
+  const std::string error = add_cloud(message, stamp_of(message).value_or(0));
+  if (error.empty()) remarks_.lidar_frame(frame_of(message));
+  return error;
+}
 
 std::string LioSession::add(const sensor_msgs::PointCloud2& message) {
+  remarks_.lidar_frame(message.header.frame_id);
   return add_cloud(message, to_time_ns(message.header.stamp));
 }
 
@@ -120,6 +126,7 @@ void LioSession::take_results() {
       result = odometry_->next();
     }
     if (!result) return;
+    remarks_.accel_scale(odometry_->accel_scale());
     if (writer_) writer_->add(*result, pending_seconds_);
     cpu_seconds_ += std::exchange(pending_seconds_, 0.0);
     if (on_result_) on_result_(*result);
@@ -163,6 +170,8 @@ void LioSession::finish(const std::string& status) {
   summary.map_voxels = odometry_->map_voxels();
   summary.notes = notes_;
   summary.notes.insert(summary.notes.begin(), noise_report_.begin(), noise_report_.end());
+  for (const std::string& remark : remarks_.sentences()) summary.notes.push_back(remark);
+  for (const std::string& remark : decoder_.remarks()) summary.notes.push_back(remark);
   if (!verdict().empty()) summary.notes.insert(summary.notes.begin(), verdict());
   if (undecodable_ > 0)
     summary.notes.push_back(std::to_string(undecodable_) +

@@ -52,6 +52,8 @@ void LioWrapper::tell_news() {
   told_restarts_ = session_->restarts();
   if (session_->verdict() != told_verdict_) ROS_INFO_STREAM(session_->verdict());
   told_verdict_ = session_->verdict();
+  for (; told_remarks_ < session_->remarks().size(); ++told_remarks_)
+    ROS_INFO_STREAM(session_->remarks()[told_remarks_]);
   if (told_noise_) return;
   for (const std::string& line : session_->noise_report()) ROS_INFO_STREAM(line);
   told_noise_ = !session_->noise_report().empty();

@@ -24,6 +24,7 @@ CloudLayout point_layout(const std::uint8_t* points, std::size_t count) {
   layout.z = {"z", NumberType::kFloat32, kOffsetZ};
   layout.intensity = CloudField{"reflectivity", NumberType::kUint8, kOffsetReflectivity};
   layout.time = CloudField{"offset_time", NumberType::kUint32, kOffsetTime};
+  layout.time_unit = TimeUnit::kNanoseconds;
   layout.tag = CloudField{"tag", NumberType::kUint8, kOffsetTag};
   return layout;
 }

@@ -10,6 +10,12 @@
 #include "allan_lio/ros/livox_custom.h"
 
 namespace allan_lio {
+namespace {
+
+// In the header: sequence number, stamp, length of the frame_id, frame_id [bytes].
+constexpr std::size_t kStampAt = 4, kStampEnd = 12, kFrameAt = 16;
+
+}  // namespace
 
 const std::vector<std::string>& cloud_datatypes() {
   static const std::vector<std::string> kNames{ros::message_traits::datatype<sensor_msgs::PointCloud2>(),
@@ -35,10 +41,16 @@ std::optional<CloudKind> cloud_kind(const RawCloud& cloud, std::string& error) {
 }
 
 std::optional<TimeNs> stamp_of(const RawCloud& cloud) {
-  constexpr std::size_t kStampAt = 4, kStampEnd = 12;  // after the header's sequence number
   if (cloud.size < kStampEnd) return std::nullopt;
   return TimeNs{load<std::uint32_t>(cloud.bytes + kStampAt)} * kNsPerSecond +
          load<std::uint32_t>(cloud.bytes + kStampAt + sizeof(std::uint32_t));
+}
+
+std::string frame_of(const RawCloud& cloud) {
+  if (cloud.size < kFrameAt) return "";
+  const std::size_t length = load<std::uint32_t>(cloud.bytes + kStampEnd);
+  if (length > cloud.size - kFrameAt) return "";
+  return std::string(reinterpret_cast<const char*>(cloud.bytes + kFrameAt), length);
 }
 
 RawCloud to_raw_cloud(const BagMessage& message) {

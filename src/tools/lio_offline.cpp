@@ -82,6 +82,7 @@ void feed(const BagMessage& message, const LioConfig& config, LioSession& sessio
 void print_summary(const LioSession& session, const Arguments& a) {
   const LioCounters& c = session.odometry().counters();
   if (!session.verdict().empty()) std::cout << session.verdict() << '\n';
+  for (const std::string& remark : session.remarks()) std::cout << remark << '\n';
   std::cout << c.scans_used << " of " << c.scans_read + session.undecodable() << " scans used, " << c.imu_read
             << " IMU samples";
   if (c.scans_used > 0)

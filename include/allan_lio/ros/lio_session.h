@@ -14,6 +14,7 @@
 #include "allan_lio/lio/odometry.h"
 #include "allan_lio/ros/decode_cloud.h"
 #include "allan_lio/ros/recording_watch.h"
+#include "allan_lio/ros/sensor_remarks.h"
 
 namespace allan_lio {
 
@@ -58,6 +59,9 @@ class LioSession {
   /// The IMU noise in force at the rate of its first samples (noise_report.h); empty before that.
   const std::vector<std::string>& noise_report() const { return noise_report_; }
 
+  /// What a user should know of the sensors' data, a sentence each: the accelerometer's unit, odd frame_ids.
+  const std::vector<std::string>& remarks() const { return remarks_.sentences(); }
+
   /// Not empty once so many clouds in a row could not be decoded, and none could, that it is of no use to go on.
   std::string hopeless() const;
 
@@ -84,6 +88,7 @@ class LioSession {
   std::unique_ptr<RunWriter> writer_;
   OnResult on_result_;
   std::vector<std::string> notes_, inputs_, noise_report_;
+  SensorRemarks remarks_;
   const NoiseSpec noise_spec_;
   const NoiseScale noise_scale_;
   std::string last_refusal_;

@@ -43,6 +43,7 @@ class LioWrapper {
   std::uint64_t imu_received_ = 0, scans_received_ = 0;
   std::string told_verdict_;
   bool told_noise_ = false;
+  std::size_t told_remarks_ = 0;
   std::uint64_t told_restarts_ = 0;
   std::vector<std::uint8_t> cloud_bytes_;
   bool finished_ = false;

@@ -33,6 +33,9 @@ std::optional<CloudKind> cloud_kind(const RawCloud& cloud, std::string& error);
 /// The header's stamp, with which all these types begin; nothing if the bytes end before it.
 std::optional<TimeNs> stamp_of(const RawCloud& cloud);
 
+/// The header's frame_id; empty if the bytes end before it.
+std::string frame_of(const RawCloud& cloud);
+
 RawCloud to_raw_cloud(const BagMessage& message);
 
 /// `storage` is given the bytes, and must outlive the result.
