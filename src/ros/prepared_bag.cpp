@@ -45,6 +45,7 @@ class Recorder {
     if (record_.imu().empty()) throw BagError(files_ + ": no IMU sample came" + also);
     PreparedBag bag;
     if (!decoder_.verdict().empty()) bag.notes.push_back(decoder_.verdict());
+    for (const std::string& remark : decoder_.remarks()) bag.notes.push_back(remark);
     if (undecodable_ > 0)
       bag.notes.push_back(std::to_string(undecodable_) + " messages could not be decoded; the last: " + last_refusal_);
     bag.notes.insert(bag.notes.end(), troubles.begin(), troubles.end());

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "allan_lio/ros/decode_cloud.h"
+#include "changed_bag.h"
 #include "cloud_fixture.h"
 
 namespace allan_lio {
@@ -122,12 +123,6 @@ INSTANTIATE_TEST_SUITE_P(Layouts, DriverClouds,
                          [](const testing::TestParamInfo<Case>& info) {
                            return std::get<0>(info.param).driver + "_type" + std::to_string(std::get<1>(info.param));
                          });
-
-const FixtureLayout& layout_of(const std::string& driver) {
-  for (const FixtureLayout& layout : driver_layouts())
-    if (layout.driver == driver) return layout;
-  throw std::logic_error(driver);
-}
 
 TEST(DriverCloud, LivoxNanosecondsOfTheClockAreTold) {
   CloudDecoder decoder(options());
