@@ -131,6 +131,17 @@ TEST(DriverCloud, LivoxNanosecondsOfTheClockAreTold) {
   EXPECT_NE(decoder.verdict().find("float64 in ns of the clock"), std::string::npos) << decoder.verdict();
 }
 
+TEST(DriverCloud, TimesTooCoarseForASweepAreRefusedEvenWhenTheyDiffer) {
+  constexpr TimeNs kJustBefore = 1600000000'950000000;  // the second changes within the sweep
+  const std::vector<FixturePoint> seconds = points(1e-9 * kJustBefore, 1.0);
+  const auto refusal = [&](std::uint8_t type) {
+    return CloudDecoder(options()).decode(make_cloud(layout_of("hesai"), type, kJustBefore, seconds)).error;
+  };
+  EXPECT_NE(refusal(kUint64Code).find("uint64 counts in steps of 1 "), std::string::npos) << refusal(kUint64Code);
+  EXPECT_NE(refusal(PointField::FLOAT32).find("float32 counts in steps of 190"), std::string::npos)
+      << refusal(PointField::FLOAT32);
+}
+
 TEST(DriverCloud, OneAbsurdTimeDoesNotStretchTheScan) {
   for (const double absurd : {1e9, 1.5, 0.7, -0.4, std::nan("")}) {
     for (const bool first_scan : {true, false}) {
@@ -185,6 +196,8 @@ TEST(DriverCloud, LivoxTagsOfNoiseDropThePointUnlessTheyAreToBeKept) {
   const DecodedCloud decoded = dropping.decode(cloud);
   ASSERT_TRUE(decoded.scan) << decoded.error;
   EXPECT_EQ(decoded.scan->points.size(), std::size_t{kPoints - 2});
+  EXPECT_EQ(decoded.scan->points[1].x, tagged[1].x);
+  EXPECT_EQ(decoded.scan->points[2].x, tagged[4].x);
   ASSERT_EQ(dropping.remarks().size(), 1U);
   EXPECT_EQ(dropping.remarks()[0].find("2 points"), 0U) << dropping.remarks()[0];
 

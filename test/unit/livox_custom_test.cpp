@@ -94,7 +94,10 @@ TEST(LivoxCustom, TagsOfNoiseDropThePoint) {
   tagged[3].tag = 0x20;
   tagged[4].tag = 0x10;
   const std::vector<std::uint8_t> bytes = livox_custom_bytes(kStamp, "livox_", tagged);
-  EXPECT_EQ(CloudDecoder(options()).decode(raw(bytes)).scan->points.size(), kPoints - 1);
+  const DecodedCloud decoded = CloudDecoder(options()).decode(raw(bytes));
+  ASSERT_TRUE(decoded.scan) << decoded.error;
+  EXPECT_EQ(decoded.scan->points.size(), kPoints - 1);
+  EXPECT_EQ(decoded.scan->points[3].x, tagged[4].x);
 }
 
 TEST(LivoxCustom, AMessageThatIsCutAnywhereIsRefused) {
