@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "allan_lio/imu/noise_report.h"
+#include "allan_lio/io/live_parameters.h"
+#include "allan_lio/io/tum.h"
 #include "allan_lio/ros/conversions.h"
 
 namespace allan_lio {
@@ -41,11 +43,7 @@ class CpuMeter {
 }  // namespace
 
 LioSession::LioSession(const LioConfig& config, const std::string& out, OnResult on_result)
-    : odometry_(std::make_unique<Odometry>(config)),
-      decoder_(config.lidar),
-      on_result_(std::move(on_result)),
-      noise_spec_(config.imu.spec),
-      noise_scale_(config.imu.scale) {
+    : odometry_(std::make_unique<Odometry>(config)), decoder_(config.lidar), on_result_(std::move(on_result)) {
   if (!out.empty()) writer_ = std::make_unique<RunWriter>(out, config);
 }
 
@@ -66,9 +64,11 @@ void LioSession::add(const sensor_msgs::Imu& message) {
   if (step > 0.0 && step < kLongestInterval) {
     imu_seconds_ += step;
     ++imu_steps_;
+    const LioConfig::Imu& imu = odometry_->config().imu;
     if (imu_steps_ == kRateSamples)
-      noise_report_ = describe_noise(noise_spec_, noise_scale_, static_cast<double>(imu_steps_) / imu_seconds_);
+      noise_report_ = describe_noise(imu.spec, imu.scale, static_cast<double>(imu_steps_) / imu_seconds_);
   }
+  clocks_.add_imu(watch_.newest());
   odometry_->add_imu(sample);
   take_results();
 }
@@ -82,6 +82,7 @@ void LioSession::restart(TimeNs stamp) {
   odometry_->restart();
   watch_ = RecordingWatch();
   watch_.begins_anew(stamp);
+  clocks_.begin_again();
   new_cloud_to_come_ = true;
 }
 
@@ -105,6 +106,7 @@ std::string LioSession::add_cloud(const Cloud& message, TimeNs stamp) {
     CpuMeter meter(pending_seconds_);
     DecodedCloud decoded = decoder_.decode(message);
     error = std::move(decoded.error);
+    if (decoded.scan) clocks_.add_scan(decoded.scan->begin());
     if (decoded.scan) odometry_->add_scan(std::move(*decoded.scan));
     decoded.scan ? ++decoded_ : ++undecodable_;
   }
@@ -128,9 +130,43 @@ void LioSession::take_results() {
     if (!result) return;
     remarks_.accel_scale(odometry_->accel_scale());
     if (writer_) writer_->add(*result, pending_seconds_);
-    cpu_seconds_ += std::exchange(pending_seconds_, 0.0);
+    scan_seconds_ = std::exchange(pending_seconds_, 0.0);
+    cpu_seconds_ += scan_seconds_;
+    last_result_ = result->state.nav.stamp;
+    take_note(*result);
     if (on_result_) on_result_(*result);
   }
+}
+
+void LioSession::take_note(const LioResult& result) {
+  const bool used = result.outcome != ScanOutcome::kTooFewPoints && result.outcome != ScanOutcome::kTooFewMatches;
+  if (used) clocks_.begin_again();
+  if (odometry_->counters().starts_in_place == starts_in_place_) return;
+  starts_in_place_ = odometry_->counters().starts_in_place;
+  restarted_ = moment() + "the IMU was silent for longer than imu/max_gap and no scan filled in: the estimator has "
+                          "started again where it stood, with a new map";
+  ++restarts_;
+}
+
+std::string LioSession::moment() const {
+  return last_result_ == 0 ? "before the first scan: " : "at " + format_seconds(last_result_) + ": ";
+}
+
+void LioSession::reconfigure(const LioConfig& config) {
+  const std::string difference = live_difference(odometry_->config(), config);
+  odometry_->reconfigure(config);
+  if (!difference.empty()) add_note(moment() + difference);
+}
+
+void LioSession::reset() {
+  end_of_data();
+  add_note(moment() + "started again on request, with a new map");
+  odometry_->restart();
+}
+
+void LioSession::set_pose(const PoseAnchor& anchor) {
+  odometry_->set_pose(anchor);
+  add_note(moment() + "pose set on request, with a new map");
 }
 
 void LioSession::end_of_data() {
@@ -143,12 +179,14 @@ double LioSession::imu_interval() const {
 }
 
 std::string LioSession::hopeless() const {
-  return decoded_ == 0 && undecodable_ >= kHopelessClouds ? last_refusal_ : "";
+  if (decoded_ == 0 && undecodable_ >= kHopelessClouds) return last_refusal_;
+  return odometry_->counters().scans_used == 0 ? clocks_.trouble() : "";
 }
 
 std::string LioSession::why_nothing() const {
   const LioCounters& c = odometry_->counters();
   if (c.scans_used > 0) return "";
+  if (!clocks_.trouble().empty()) return clocks_.trouble();
   if (undecodable_ > 0 && decoded_ == 0) return "no cloud could be decoded: " + last_refusal_;
   if (decoded_ == 0) return "no scan came";
   if (c.imu_read == 0) return "no IMU sample came";

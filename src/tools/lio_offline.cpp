@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "allan_lio/io/config_source.h"
+#include "allan_lio/io/whole_file.h"
 #include "allan_lio/io/yaml_source.h"
 #include "allan_lio/ros/config_dirs.h"
 #include "allan_lio/ros/lio_bag.h"
@@ -96,6 +97,7 @@ int run(const Arguments& a) {
   BagSource bags = open_lio_bags(a.bags, config.topics);
   LioSession session(config, a.out, {});
   session.set_inputs(a.bags);
+  if (a.map) check_writable(a.out + "/map.pcd");
 
   ProgressBar bar(bags.begin(), bags.end());
   BagMessage message;
