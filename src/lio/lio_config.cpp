@@ -115,11 +115,12 @@ void declare_imu(ParameterVisitor& v, LioConfig::Imu& imu) {
   v.number({"imu/gyro_range", "rad/s",
             "Full scale of the gyro; a reading at or above it counts as saturated and gets inflated noise.", kLive},
            imu.gyro_range, 34.9, Range::positive());
-  v.number({"imu/max_gap", "s",
-            "Longest silence of the IMU, with no scan that fits in it either, that is bridged; past it the estimator starts "
-            "again where it stood. Change it when the links are known to stall.",
-            kLive},
-           imu.max_gap, 1.0, Range::positive());
+  v.number(
+      {"imu/max_gap", "s",
+       "Longest silence of the IMU, with no scan that fits in it either, that is bridged; past it the estimator starts "
+       "again where it stood. Change it when the links are known to stall.",
+       kLive},
+      imu.max_gap, 1.0, Range::positive());
 }
 
 void declare_lidar(ParameterVisitor& v, LioConfig& c) {

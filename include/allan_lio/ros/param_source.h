@@ -23,7 +23,8 @@ struct NodeParameters {
   ConfigSource given;  ///< all private parameters as they were read
 };
 
-/// The given private parameters, all but ~in_force and ~diagnostic_period (diagnostic_updater's own). Throws ConfigError for what has no text.
+/// The given private parameters, all but ~in_force and ~diagnostic_period (diagnostic_updater's own). Throws
+/// ConfigError for what has no text.
 ConfigSource given_parameters(const XmlRpc::XmlRpcValue& tree, const std::string& origin);
 
 /// Reads ~config (a name in config/ or a file) and over it all other private parameters, which have the keys of the
