@@ -49,6 +49,24 @@ double ImuBuffer::longest_gap(TimeNs from, TimeNs to) const {
   return longest;
 }
 
+ImuBuffer::Silence ImuBuffer::longest_silence(TimeNs from, TimeNs to) const {
+  Silence longest;
+  for (auto it = std::lower_bound(samples_.begin(), samples_.end(), from + 1, earlier); it != samples_.end(); ++it) {
+    if (it == samples_.begin()) continue;
+    const TimeNs begin = std::max((it - 1)->stamp, from);
+    const double seconds = seconds_between(begin, std::min(it->stamp, to));
+    if (seconds > longest.seconds) longest = {seconds, begin, it->stamp};
+    if (it->stamp >= to) break;
+  }
+  return longest;
+}
+
+double ImuBuffer::spacing_at(TimeNs t) const {
+  const auto after = std::lower_bound(samples_.begin(), samples_.end(), t, earlier);
+  if (after == samples_.begin() || after == samples_.end()) return 0.0;
+  return seconds_between((after - 1)->stamp, after->stamp);
+}
+
 void ImuBuffer::discard_before(TimeNs t) {
   while (samples_.size() > 1 && samples_[1].stamp <= t) samples_.pop_front();
 }

@@ -65,7 +65,8 @@ std::vector<std::string> wrap(const std::string& text) {
 std::string remark(const ParameterEntry& entry) {
   if (entry.kind == Kind::kText || entry.kind == Kind::kFlag) return "";
   const std::string unit = unit_or_empty(entry), range = allowed(entry);
-  return "  # " + (unit.empty() ? "" : "[" + unit + "]") + (unit.empty() || range.empty() ? "" : ", ") + range;
+  return "  # " + (unit.empty() ? "" : "[" + unit + "]") + (unit.empty() || range.empty() ? "" : ", ") + range +
+         (entry.info.live ? ", live" : "");
 }
 
 std::string last_part(const std::string& key) { return key.substr(key.rfind('/') + 1); }
@@ -107,7 +108,8 @@ std::string parameters_markdown() {
       "and on the command\nline (`--param imu/k_gb=2`), nested in YAML and on the parameter server. A key that is "
       "not here is refused.\nNoise quantities carry their unit, as in "
       "`gyro_white_noise: {value: 0.42, unit: deg/sqrt(h)}` (see imu_noise.md); of the bias\nfigures "
-      "`bias_instability`, `bias_random_walk` and `bias_sigma` exactly one is given.\n";
+      "`bias_instability`, `bias_random_walk` and `bias_sigma` exactly one is given. What is `live` can be "
+      "changed while the node\nruns, by `rosparam set` or dynamic_reconfigure, and is in force with the next scan.\n";
   std::string group;
   for (const ParameterEntry& entry : defaults()) {
     const std::string this_group = entry.info.key.substr(0, entry.info.key.find('/'));
@@ -122,7 +124,8 @@ std::string parameters_markdown() {
             (entry.optional ? "not given"
              : quantity     ? "none"
                             : "`" + yaml_value(entry) + "`") +
-            " | " + allowed(entry) + (quantity ? "; one number or three" : "") + " | " + entry.info.sentence + " |\n";
+            " | " + allowed(entry) + (quantity ? "; one number or three" : "") + (entry.info.live ? "; live" : "") +
+            " | " + entry.info.sentence + " |\n";
   }
   return text;
 }
@@ -141,7 +144,8 @@ std::string parameters_yaml() {
     quantities.clear();
   }
   return "# Every parameter of allan_lio with its default: what is not said in your own file is as it stands here.\n"
-         "# Made by `rosrun allan_lio lio_parameters --yaml`; a test keeps it the same as the code.\n\n" +
+         "# Made by `rosrun allan_lio lio_parameters --yaml`; a test keeps it the same as the code.\n"
+         "# What is live can be changed while the node runs: it is in force with the next scan.\n\n" +
          space_groups(tree.text());
 }
 

@@ -109,7 +109,8 @@ void put_counters(std::ostream& out, const LioCounters& c) {
       << "\n  map_restarts: " << c.map_restarts << "\npoints:\n  invalid: " << c.points_invalid
       << "\n  out_of_range: " << c.points_out_of_range << "\nimu:\n  samples: " << c.imu_read
       << "\n  dropped_not_newer: " << c.imu_dropped_order << "\n  dropped_invalid: " << c.imu_dropped_invalid
-      << "\n  saturated: " << c.imu_saturated << "\n  gaps: " << c.imu_gaps << '\n';
+      << "\n  saturated: " << c.imu_saturated << "\n  gaps: " << c.imu_gaps
+      << "\n  starts_in_place: " << c.starts_in_place << '\n';
 }
 
 /// CPU time per scan; percentiles by the nearest rank.

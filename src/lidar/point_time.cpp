@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <vector>
 
 namespace allan_lio {
@@ -17,6 +18,8 @@ using Origin = PointTimeRule::Origin;
 constexpr double kClockTolerance = 2.0;
 /// A sweep that begins this much [s] before its stamp still begins at it: rounding, and lasers ahead of the head.
 constexpr double kEdgeTolerance = 2e-3;
+/// A field that counts a sweep in fewer steps does not tell its points apart.
+constexpr double kFewestSteps = 16.0;
 
 struct Unit {
   TimeUnit code;
@@ -39,24 +42,44 @@ std::string field_text(const PointTimeEvidence& evidence) {
          " to " + number(evidence.largest) + ")";
 }
 
-bool plausible_sweep(double seconds) {
-  return seconds >= PointTimeDetector::kShortestSweep && seconds <= PointTimeDetector::kLongestSweep;
+/// The step in which the field counts where its values are largest: 1 for integers.
+double resolution(const PointTimeEvidence& evidence) {
+  const double largest = std::max(std::abs(evidence.smallest), std::abs(evidence.largest));
+  if (evidence.type == NumberType::kFloat32) return largest * std::numeric_limits<float>::epsilon();
+  if (evidence.type == NumberType::kFloat64) return largest * std::numeric_limits<double>::epsilon();
+  return 1.0;
+}
+
+/// Empty if the field tells the points of a sweep apart.
+std::string too_coarse(const PointTimeEvidence& evidence) {
+  const double step = resolution(evidence);
+  const bool equal = evidence.largest == evidence.smallest;
+  if (!equal && evidence.largest - evidence.smallest >= kFewestSteps * step) return "";
+  const std::string way_out = "; name the right field in lidar/time_field, or set lidar/deskew: false";
+  if (equal && step <= 1.0) return "all points have the same time: " + field_text(evidence) + way_out;
+  return field_text(evidence) + " cannot tell the points of a sweep apart: " + number_type_name(evidence.type) +
+         " counts in steps of " + number(step) + " at such values" + way_out;
 }
 
 std::optional<Unit> find_unit(const PointTimeEvidence& evidence, TimeUnit wanted, std::string& refusal) {
   const double span = evidence.largest - evidence.smallest;
+  const bool told = wanted != TimeUnit::kAuto;
+  const double shortest = told ? PointTimeDetector::kShortestTold : PointTimeDetector::kShortestSweep;
+  const auto plausible_sweep = [shortest](double seconds) {
+    return seconds >= shortest && seconds <= PointTimeDetector::kLongestSweep;
+  };
   for (const Unit& unit : kUnits) {
-    const bool allowed = wanted == TimeUnit::kAuto || wanted == unit.code;
-    if (allowed && plausible_sweep(1e-9 * unit.ns * span)) return unit;
+    if ((!told || wanted == unit.code) && plausible_sweep(1e-9 * unit.ns * span)) return unit;
   }
-  if (wanted == TimeUnit::kAuto) {
+  if (!told) {
     refusal = "no unit of s, ms, us, ns makes a sweep of 0.01 to 1 s of " + field_text(evidence) +
               "; name the right field in lidar/time_field, or set lidar/deskew: false";
     return std::nullopt;
   }
   const Unit& unit = *std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.code == wanted; });
-  refusal = field_text(evidence) + " lasts " + number(1e-9 * unit.ns * span) + " s in lidar/time_unit: " + unit.name +
-            ", which is no sweep (0.01 to 1 s); set lidar/time_unit: auto";
+  refusal = field_text(evidence) + " lasts " + number(1e-9 * unit.ns * span) + " s in " +
+            (evidence.unit == wanted ? "" : "lidar/time_unit: ") + unit.name + ", which is no sweep (0.001 to 1 s)" +
+            (evidence.unit == wanted ? "" : "; set lidar/time_unit: auto");
   return std::nullopt;
 }
 
@@ -111,7 +134,8 @@ std::string origin_text(Origin origin, const Span& span) {
 }  // namespace
 
 std::string number_type_name(NumberType type) {
-  const std::array<const char*, 8> names{"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
+  const std::array<const char*, 10> names{"int8",   "uint8",   "int16",   "uint16", "int32",
+                                          "uint32", "float32", "float64", "int64",  "uint64"};
   const std::size_t index = static_cast<std::size_t>(type) - 1;
   return index < names.size() ? names[index] : "unknown type";
 }
@@ -128,12 +152,10 @@ std::optional<PointTimeRule> judge_point_time(const PointTimeEvidence& evidence,
     refusal = "no scan held a valid point";
     return std::nullopt;
   }
-  if (!(evidence.largest > evidence.smallest)) {
-    refusal = "all points have the same time: " + field_text(evidence) +
-              "; name the right field in lidar/time_field, or set lidar/deskew: false";
-    return std::nullopt;
-  }
-  const std::optional<Unit> unit = find_unit(evidence, options.time_unit, refusal);
+  refusal = too_coarse(evidence);
+  if (!refusal.empty()) return std::nullopt;
+  const TimeUnit told = evidence.unit == TimeUnit::kAuto ? options.time_unit : evidence.unit;
+  const std::optional<Unit> unit = find_unit(evidence, told, refusal);
   if (!unit) return std::nullopt;
   const Span span{1e-9 * unit->ns * evidence.smallest, 1e-9 * unit->ns * evidence.largest};
   const std::optional<Origin> origin = find_origin(evidence, span, options.point_time, refusal);
@@ -142,6 +164,7 @@ std::optional<PointTimeRule> judge_point_time(const PointTimeEvidence& evidence,
   PointTimeRule rule;
   rule.origin = *origin;
   rule.ns_per_unit = unit->ns;
+  rule.sweep = span.length();
   const bool relative = *origin == Origin::kStamp;
   rule.verdict = "point time: field '" + evidence.field + "' " + number_type_name(evidence.type) + " in " + unit->name +
                  " " + origin_text(*origin, span) + " (" +

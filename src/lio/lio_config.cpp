@@ -8,6 +8,7 @@ namespace allan_lio {
 namespace {
 
 using Range = ParameterRange;
+constexpr bool kLive = true;
 
 /// The bias of one sensor is told in one of three ways; which, check_noise_keys() sees to.
 void declare_gyro_bias(ParameterVisitor& v, SensorNoise& gyro) {
@@ -75,19 +76,23 @@ void declare_imu(ParameterVisitor& v, LioConfig::Imu& imu) {
   declare_noise(v, imu.spec);
   v.number(
       {"imu/k_g", "1",
-       "Multiplier on the gyro's white noise N_g; 1 is the calibrated value. Raise it for vibration or scale error."},
+       "Multiplier on the gyro's white noise N_g; 1 is the calibrated value. Raise it for vibration or scale error.",
+       kLive},
       imu.scale.k_g, 1.0, Range::positive());
   v.number({"imu/k_a", "1",
             "Multiplier on the accelerometer's white noise N_a; 1 is the calibrated value. Raise it for vibration or "
-            "scale error."},
+            "scale error.",
+            kLive},
            imu.scale.k_a, 1.0, Range::positive());
   v.number({"imu/k_gb", "1",
             "Multiplier on the gyro's bias instability sigma_bg; 1 is the calibrated value. Raise it when biases "
-            "wander more than the specification says (temperature, g-sensitivity)."},
+            "wander more than the specification says (temperature, g-sensitivity).",
+            kLive},
            imu.scale.k_gb, 1.0, Range::positive());
   v.number({"imu/k_ab", "1",
             "Multiplier on the accelerometer's bias instability sigma_ba; 1 is the calibrated value. Raise it when "
-            "biases wander more than the specification says (temperature, misalignment)."},
+            "biases wander more than the specification says (temperature, misalignment).",
+            kLive},
            imu.scale.k_ab, 1.0, Range::positive());
   v.option({"imu/bias_model", "",
             "random_walk holds the bias where it was last seen; gauss_markov lets it decay to zero with its "
@@ -103,16 +108,19 @@ void declare_imu(ParameterVisitor& v, LioConfig::Imu& imu) {
   v.number({"imu/gravity", "m/s^2",
             "Local gravity. Change it to your latitude's value when the bias of the vertical accelerometer matters."},
            imu.gravity, 9.80665, Range::between(9.7, 9.9));
-  v.number({"imu/accel_range", "m/s^2",
-            "Full scale of the accelerometer; a reading at or above it counts as saturated and gets inflated noise."},
-           imu.accel_range, 156.9, Range::positive());
+  v.number(
+      {"imu/accel_range", "m/s^2",
+       "Full scale of the accelerometer; a reading at or above it counts as saturated and gets inflated noise.", kLive},
+      imu.accel_range, 156.9, Range::positive());
   v.number({"imu/gyro_range", "rad/s",
-            "Full scale of the gyro; a reading at or above it counts as saturated and gets inflated noise."},
+            "Full scale of the gyro; a reading at or above it counts as saturated and gets inflated noise.", kLive},
            imu.gyro_range, 34.9, Range::positive());
-  v.number({"imu/max_gap", "s",
-            "Longest gap between IMU samples that is bridged; past it the velocity is declared unknown. Change it when "
-            "the IMU's link is known to stall."},
-           imu.max_gap, 1.0, Range::positive());
+  v.number(
+      {"imu/max_gap", "s",
+       "Longest silence of the IMU, with no scan that fits in it either, that is bridged; past it the estimator starts "
+       "again where it stood. Change it when the links are known to stall.",
+       kLive},
+      imu.max_gap, 1.0, Range::positive());
 }
 
 void declare_lidar(ParameterVisitor& v, LioConfig& c) {
@@ -133,6 +141,10 @@ void declare_lidar(ParameterVisitor& v, LioConfig& c) {
           "Name of the point-time field; empty: t, time, timestamp, time_stamp or offset_time, whichever is there. "
           "Change it for a driver of your own."},
          lidar.time_field, "");
+  v.flag({"lidar/drop_tagged", "",
+          "Drop the points that a Livox marks as noise (field tag, uint8: bit 5, as FAST-LIO2 drops them). Turn it off "
+          "to keep third returns and points of low confidence."},
+         lidar.drop_tagged, true);
   v.number({"lidar/time_offset", "s",
             "Added to the LiDAR's stamps to reach the IMU's clock. Change it when the two are not synchronised."},
            lidar.time_offset, 0.0, Range::between(-1.0, 1.0));
@@ -144,7 +156,8 @@ void declare_lidar(ParameterVisitor& v, LioConfig& c) {
            lidar.range_noise, 0.02, Range::positive());
   v.number({"lidar/k_r", "1",
             "Multiplier on a point's noise (range_noise, beam_divergence, or the surface's roughness where it is "
-            "larger); 1 is as stated. Raise it for moving surroundings."},
+            "larger); 1 is as stated. Raise it for moving surroundings.",
+            kLive},
            lidar.k_r, 1.0, Range::positive());
   v.number({"lidar/beam_divergence", "rad",
             "Full angle of a beam, from the LiDAR's data sheet: at grazing incidence its spot is long and the range "
@@ -155,9 +168,9 @@ void declare_lidar(ParameterVisitor& v, LioConfig& c) {
        "Width of the cells of beam direction of which one point each is registered. Raise it for speed, lower it in "
        "narrow places."},
       lidar.leaf, 0.4, Range::between(0.01, 10.0));
-  v.integer(
-      {"lidar/min_points", "1", "A scan with fewer points after downsampling is not used; the IMU goes on alone."},
-      lidar.min_points, 50, Range::between(1, 1e6));
+  v.integer({"lidar/min_points", "1", "A scan with fewer points after downsampling is not used; the IMU goes on alone.",
+             kLive},
+            lidar.min_points, 50, Range::between(1, 1e6));
 
   Eigen::VectorXd rotation(4), translation(3);
   rotation << c.T_imu_lidar.rotation.coeffs();
@@ -191,9 +204,10 @@ void declare_map(ParameterVisitor& v, LioConfig::Map& map) {
            map.insert_leaf, 0.1, Range::between(0.001, 5.0));
   v.number({"map/insert_distance", "m",
             "A scan enters the map when the sensor has moved this far since the last one that did. Raise it for a slow "
-            "vehicle with a fast LiDAR."},
+            "vehicle with a fast LiDAR.",
+            kLive},
            map.insert_distance, 0.05, Range::not_negative());
-  v.number({"map/insert_angle", "rad", "Or when it has turned by this much."}, map.insert_angle, 0.01,
+  v.number({"map/insert_angle", "rad", "Or when it has turned by this much.", kLive}, map.insert_angle, 0.01,
            Range::not_negative());
   v.number(
       {"map/radius", "m",
@@ -204,24 +218,27 @@ void declare_map(ParameterVisitor& v, LioConfig::Map& map) {
 }
 
 void declare_update(ParameterVisitor& v, LioConfig::Update& update) {
-  v.integer({"update/max_iterations", "1", "Most iterations of the Kalman update in a scan."}, update.max_iterations, 6,
-            Range::between(1, 50));
+  v.integer({"update/max_iterations", "1", "Most iterations of the Kalman update in a scan.", kLive},
+            update.max_iterations, 6, Range::between(1, 50));
   v.number({"update/rotation_tolerance", "rad",
-            "The iterations stop when the step's rotation and translation are both below tolerance."},
+            "The iterations stop when the step's rotation and translation are both below tolerance.", kLive},
            update.rotation_tolerance, 1e-4, Range::positive());
   v.number({"update/translation_tolerance", "m",
-            "The iterations stop when the step's rotation and translation are both below tolerance."},
+            "The iterations stop when the step's rotation and translation are both below tolerance.", kLive},
            update.translation_tolerance, 1e-4, Range::positive());
   v.number({"update/gate", "sigma",
             "A residual beyond this many standard deviations of its own noise and the pose's is not used. Raise it "
-            "when the start is rough."},
+            "when the start is rough.",
+            kLive},
            update.gate, 3.0, Range::positive());
   v.number({"update/robust_scale", "sigma",
-            "Residuals beyond this many standard deviations are down-weighted (Huber). Lower it among moving objects."},
+            "Residuals beyond this many standard deviations are down-weighted (Huber). Lower it among moving objects.",
+            kLive},
            update.robust_scale, 2.0, Range::positive());
   v.number({"update/support_floor", "1",
             "A direction of the pose is left to the IMU unless the LiDAR's information along it is probably above this "
-            "many times what the noise of the map's normals feigns."},
+            "many times what the noise of the map's normals feigns.",
+            kLive},
            update.support_floor, 4.0, Range::not_negative());
 }
 
@@ -274,7 +291,9 @@ void declare_frames(ParameterVisitor& v, LioConfig::Frames& frames) {
 
 void declare_parameters(ParameterVisitor& v, LioConfig& c) {
   v.text({"topics/imu", "", "Topic of sensor_msgs/Imu."}, c.topics.imu, "/imu/data");
-  v.text({"topics/lidar", "", "Topic of sensor_msgs/PointCloud2."}, c.topics.lidar, "/points");
+  v.text({"topics/lidar", "",
+          "Topic of sensor_msgs/PointCloud2, or of CustomMsg of livox_ros_driver or livox_ros_driver2."},
+         c.topics.lidar, "/points");
   declare_imu(v, c.imu);
   declare_lidar(v, c);
   declare_map(v, c.map);

@@ -23,7 +23,7 @@ LioResult Odometry::Impl::process(Scan scan) {
   if (map_->voxels() == 0) {
     make_first_pose();
     insert_scan();
-    return finish(ScanOutcome::kFirst, std::move(scan), result);
+    return finish(start_.again ? ScanOutcome::kMapRestarted : ScanOutcome::kFirst, std::move(scan), result);
   }
 
   if (may_stand_still()) settle_standstill();
@@ -48,10 +48,14 @@ LioResult Odometry::Impl::process(Scan scan) {
 }
 
 std::optional<LioResult> Odometry::Impl::next() {
-  if (!initialized_ && !initialize_from_imu()) return std::nullopt;
-  std::optional<Scan> scan = synchronizer_.take();
-  if (!scan) return std::nullopt;
-  return process(std::move(*scan));
+  for (;;) {
+    if (!initialized_ && !initialize_from_imu()) return std::nullopt;
+    std::optional<Scan> scan = synchronizer_.take();
+    if (!scan) return std::nullopt;
+    const ImuBuffer::Silence silence = blind_until(scan->end());
+    if (silence.seconds <= config_.imu.max_gap) return process(std::move(*scan));
+    start_in_place(silence, std::move(*scan));
+  }
 }
 
 Odometry::Odometry(const LioConfig& config) : impl_(std::make_unique<Impl>(config)) {}
@@ -67,7 +71,8 @@ std::size_t Odometry::map_voxels() const { return impl_->map_->voxels(); }
 const LioCounters& Odometry::counters() const { return impl_->counters_; }
 const LioConfig& Odometry::config() const { return impl_->config_; }
 double Odometry::accel_scale() const { return impl_->accel_scale_; }
-void Odometry::set_noise_scale(const NoiseScale& scale) { impl_->set_noise_scale(scale); }
+void Odometry::reconfigure(const LioConfig& config) { impl_->reconfigure(config); }
+void Odometry::set_pose(const PoseAnchor& anchor) { impl_->set_pose(anchor); }
 
 void Odometry::restart() {
   auto fresh = std::make_unique<Impl>(impl_->config_);

@@ -15,7 +15,12 @@ namespace {
 constexpr double kCountedGap = 0.1;     // [s] between IMU samples
 constexpr int kLostAfter = 10;          // scans in a row without a match
 constexpr double kSaturatedPart = 0.2;  // 1 sigma of a saturated reading, of the full scale
-constexpr double kUnknownRate = 0.5;    // [rad/s] 1 sigma of the rotation rate in a gap that is not bridged
+
+// Where samples are missing: 1 sigma of what the readings between them may differ from the line, and for how long they
+// do so in one direction. Walking or driving, not flying aerobatics.
+constexpr double kUnknownRate = 0.5;   // [rad/s]
+constexpr double kUnknownAccel = 2.0;  // [m/s^2]
+constexpr double kUnknownTime = 0.5;   // [s]
 
 std::unique_ptr<VoxelMap> make_map(const LioConfig& config) {
   // k_r is a matter of the residuals: raised threefold it would make every wall too thick for a plane.
@@ -35,11 +40,12 @@ Odometry::Impl::Impl(const LioConfig& config)
       pool_(config.threads),
       residuals_(pool_) {
   state_.T_imu_lidar = config.T_imu_lidar;
+  start_.spec = config.imu.spec;
 }
 
-void Odometry::Impl::set_noise_scale(const NoiseScale& scale) {
-  config_.imu.scale = scale;
-  noise_ = make_imu_noise(config_.imu.spec, scale, config_.imu.bias_model);
+void Odometry::Impl::reconfigure(const LioConfig& config) {
+  config_ = config;
+  noise_ = make_imu_noise(config_.imu.spec, config_.imu.scale, config_.imu.bias_model);
 }
 
 ImuNoise Odometry::Impl::noise_between(const ImuSample& from, const ImuSample& to) {
@@ -47,21 +53,18 @@ ImuNoise Odometry::Impl::noise_between(const ImuSample& from, const ImuSample& t
   const bool gyro = std::max(from.gyro.cwiseAbs().maxCoeff(), to.gyro.cwiseAbs().maxCoeff()) >= config_.imu.gyro_range;
   const bool accel =
       std::max(from.accel.cwiseAbs().maxCoeff(), to.accel.cwiseAbs().maxCoeff()) >= config_.imu.accel_range;
-  if (!gyro && !accel) return noise_;
-  ++counters_.imu_saturated;
+  const double spacing = synchronizer_.imu().spacing_at(from.stamp + (to.stamp - from.stamp) / 2);
+  if (!gyro && !accel && spacing <= kCountedGap) return noise_;
+  if (gyro || accel) ++counters_.imu_saturated;
   ImuNoise inflated = noise_;
+  if (spacing > kCountedGap) {
+    const double together = std::min(spacing, kUnknownTime);
+    inflated.gyro_psd.array() += square(kUnknownRate) * together;
+    inflated.accel_psd.array() += square(kUnknownAccel) * together;
+  }
   if (gyro) inflated.gyro_psd.array() += square(kSaturatedPart * config_.imu.gyro_range) * dt;
   if (accel) inflated.accel_psd.array() += square(kSaturatedPart * config_.imu.accel_range) * dt;
   return inflated;
-}
-
-void Odometry::Impl::bridge(double gap) {
-  LioVector variance = LioVector::Zero();
-  variance.segment<3>(kVelocity).setConstant(square(config_.init.velocity_sigma));
-  variance.segment<3>(kPosition).setConstant(square(config_.init.velocity_sigma * gap));
-  variance.segment<3>(kTheta).setConstant(square(std::min(kUnknownRate * gap, 1.0)));
-  belief_.covariance.diagonal() += variance;
-  absolute_.add(variance.asDiagonal());
 }
 
 void Odometry::Impl::propagate_covariance(const NavMatrix& transition, const NavMatrix& noise) {
@@ -96,7 +99,6 @@ std::vector<TrackSegment> Odometry::Impl::propagate_to(TimeNs t) {
   }
   propagate_covariance(transition, noise);
   if (gap > kCountedGap) ++counters_.imu_gaps;
-  if (gap > config_.imu.max_gap) bridge(gap);
   gyro_ = samples.back().gyro - state_.nav.gyro_bias;
   synchronizer_.discard_before(t);
   return track;

@@ -30,11 +30,15 @@ class Odometry::Impl {
 
   /// Moves state and covariance to `t`; returns the motion in between.
   std::vector<TrackSegment> propagate_to(TimeNs t);
+  /// Of the motion between two readings: more where one is saturated, or where samples are missing around them.
   ImuNoise noise_between(const ImuSample& from, const ImuSample& to);
   /// Over the whole of an interval.
   void propagate_covariance(const NavMatrix& transition, const NavMatrix& noise);
-  /// After a gap [s] that the IMU's mean readings cannot span: adds what may have happened in it.
-  void bridge(double gap);
+  /// The longest silence of the IMU since the last update, up to `t`.
+  ImuBuffer::Silence blind_until(TimeNs t) const;
+  /// After a silence that nothing bridges: starts as at a start, but where it stood and as it knew its biases, and
+  /// with what may have happened in the meantime. Takes back the scan at hand.
+  void start_in_place(const ImuBuffer::Silence& silence, Scan scan);
 
   void select_points(const Scan& scan);
   /// `reference`: where the track ends.
@@ -47,8 +51,10 @@ class Odometry::Impl {
   /// many in a row start it anew here.
   ScanOutcome settle_unmatched();
 
-  /// Lays the world's origin and heading at the state's pose.
+  /// Lays the world so that the state's position and heading are those of start_: at a first start its origin.
   void make_first_pose();
+  /// The map is about to be founded: of the run's error there is only what the start left.
+  void reset_absolute();
   /// The map is about to be founded at this pose, so it is known exactly: its uncertainty goes over to velocity and
   /// gravity, which are known relative to the body.
   void anchor_pose();
@@ -73,7 +79,8 @@ class Odometry::Impl {
 
   std::vector<WorldPoint> deskewed_points() const;
   std::vector<WorldPoint> map_points() const;
-  void set_noise_scale(const NoiseScale& scale);
+  void reconfigure(const LioConfig& config);
+  void set_pose(const PoseAnchor& anchor);
 
   LioConfig config_;
   ImuNoise noise_;
@@ -86,6 +93,17 @@ class Odometry::Impl {
 
   static constexpr int kSettlingScans = 10;  ///< after which the start counts as settled
 
+  /// What a start begins with: nothing but the specification at the first one.
+  struct Start {
+    bool again = false;
+    RigidTransform T_world_imu;                                     ///< of which position and heading are kept
+    Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Zero();  ///< [m^2]
+    double heading_variance = 0.0;                                  ///< [rad^2]
+    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero(), accel_bias = Eigen::Vector3d::Zero();
+    NoiseSpec spec;  ///< its turn-on biases are what is not known of these biases
+  };
+  Start start_;
+
   bool initialized_ = false;
   bool quiet_start_ = false;
   RigidTransform first_pose_;  ///< T_world_imu where the map was founded
@@ -94,6 +112,7 @@ class Odometry::Impl {
   Belief belief_;
   AbsoluteCovariance absolute_;
   TimeNs updated_at_ = 0;                           ///< stamp of the last update
+  TimeNs started_at_ = 0;                           ///< stamp at which the state was made from the IMU alone
   Eigen::Vector3d gyro_ = Eigen::Vector3d::Zero();  ///< at the state's stamp, bias off [rad/s]
   int scans_processed_ = 0;
   int unmatched_in_a_row_ = 0;

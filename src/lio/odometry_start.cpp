@@ -14,12 +14,21 @@ namespace {
 
 double square(double x) { return x * x; }
 
+/// Of the x axis [rad]; 0 where it is vertical.
+double heading_of(const RigidTransform& T_world_imu) {
+  const Eigen::Vector3d x = T_world_imu.rotation * Eigen::Vector3d::UnitX();
+  return x.head<2>().norm() < 1e-3 ? 0.0 : std::atan2(x.y(), x.x());
+}
+
 }  // namespace
 
 std::vector<ImuSample> Odometry::Impl::scaled_record(TimeNs from, TimeNs until) const {
   const ImuBuffer& imu = synchronizer_.imu();
   std::vector<ImuSample> record = imu.between(from, std::min(until, std::max(imu.newest(), from + 1)));
-  for (ImuSample& sample : record) sample.accel *= accel_scale_;
+  for (ImuSample& sample : record) {
+    sample.gyro -= start_.gyro_bias;
+    sample.accel = accel_scale_ * sample.accel - start_.accel_bias;
+  }
   return record;
 }
 
@@ -43,14 +52,16 @@ bool Odometry::Impl::initialize_from_imu() {
   record = scaled_record(from, until);
   const InitOptions options{config_.imu.gravity, config_.init.gyro_still, config_.init.accel_still,
                             config_.init.velocity_sigma, config_.init.moving_accel_sigma};
-  quiet_start_ = is_still(record, config_.imu.spec, options);
+  quiet_start_ = is_still(record, start_.spec, options);
   if (!quiet_start_) {  // what the tilt is taken from must lie at the start, not a second before it
     const TimeNs last = std::max(imu.oldest(), start - to_ns(config_.init.moving_time));
     record = scaled_record(last, last + to_ns(config_.init.moving_time));
   }
-  const InitialState initial = initialize(record, quiet_start_, config_.imu.spec, noise_, options);
+  const InitialState initial = initialize(record, quiet_start_, start_.spec, noise_, options);
   state_.nav = initial.state;
-  state_.nav.stamp = start;
+  state_.nav.gyro_bias += start_.gyro_bias;
+  state_.nav.accel_bias += start_.accel_bias;
+  state_.nav.stamp = started_at_ = start;
   belief_.covariance.topLeftCorner<kNavDof, kNavDof>() = initial.covariance;
   if (config_.estimate_extrinsics) {
     belief_.covariance.diagonal().segment<3>(kExtrinsicRotation).setConstant(square(config_.extrinsic_rotation_sigma));
@@ -64,9 +75,8 @@ bool Odometry::Impl::initialize_from_imu() {
 
 void Odometry::Impl::make_first_pose() {
   NavState& nav = state_.nav;
-  const Eigen::Vector3d x = nav.T_world_imu.rotation * Eigen::Vector3d::UnitX();
-  const double heading = x.head<2>().norm() < 1e-3 ? 0.0 : std::atan2(x.y(), x.x());
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(-heading, Eigen::Vector3d::UnitZ()));
+  const double turn_by = heading_of(start_.T_world_imu) - heading_of(nav.T_world_imu);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(turn_by, Eigen::Vector3d::UnitZ()));
   const Eigen::Matrix3d turn_matrix = turn.toRotationMatrix();
   LioMatrix turned = LioMatrix::Identity();
   turned.block<3, 3>(kPosition, kPosition) = turn_matrix;
@@ -75,12 +85,12 @@ void Odometry::Impl::make_first_pose() {
       s2_basis(turn * nav.gravity_world).transpose() * turn_matrix * s2_basis(nav.gravity_world);
   belief_.covariance = turned * belief_.covariance * turned.transpose();
   nav.T_world_imu.rotation = (turn * nav.T_world_imu.rotation).normalized();
-  nav.T_world_imu.translation.setZero();
+  nav.T_world_imu.translation = start_.T_world_imu.translation;
   nav.velocity_world = turn * nav.velocity_world;
   nav.gravity_world = turn * nav.gravity_world;
   first_pose_ = nav.T_world_imu;
   anchor_pose();
-  absolute_.reset(belief_.covariance);
+  reset_absolute();
 }
 
 void Odometry::Impl::anchor_pose() {
@@ -113,7 +123,8 @@ void Odometry::Impl::settle_standstill() {
   start.nav.T_world_imu = first_pose_;
   if (contradicts_standstill(registered_points_, start, *map_, residual_options(config_), residuals_)) return;
   update_zero_velocity(config_.init.still_velocity_sigma, state_, belief_.covariance);
-  absolute_.reset(belief_.covariance);  // of the map there is one scan, from a pose without error
+  reset_absolute();  // of the map there is one scan, from a pose with the error that the start left
+  if (start_.again) absolute_.remember(state_, config_.estimate_extrinsics);
 }
 
 bool Odometry::Impl::is_distorted(const Scan& scan, const Eigen::Vector3d& predicted_velocity) const {
@@ -138,7 +149,7 @@ void Odometry::Impl::found_map_again(const Scan& scan, std::vector<TrackSegment>
   deskew_points(scan);
   map_->clear();
   anchor_pose();
-  absolute_.reset(belief_.covariance);
+  reset_absolute();
 }
 
 }  // namespace allan_lio

@@ -47,13 +47,34 @@ void Synchronizer::take_imu(const ImuSample& sample) {
 void Synchronizer::end_of_data() {
   if (suspect_) take_imu(*suspect_);
   suspect_.reset();
+  if (suspect_scan_) take_scan(std::move(*suspect_scan_));
+  suspect_scan_.reset();
   ended_ = true;
+}
+
+void Synchronizer::begin_again(TimeNs t, Scan scan) {
+  imu_.discard_before(t);
+  first_imu_ = imu_.oldest();
+  scans_.push_front(std::move(scan));
 }
 
 void Synchronizer::add_scan(Scan scan) {
   ++counters_.scans_read;
   counters_.points_invalid += scan.dropped_invalid;
   counters_.points_out_of_range += scan.dropped_range;
+  if (suspect_scan_) {
+    const bool was_right = scan.end() > suspect_scan_->end();
+    if (was_right) take_scan(std::move(*suspect_scan_));
+    if (!was_right) ++counters_.scans_dropped_order;
+    suspect_scan_.reset();
+  } else if (newest_scan_end_ && seconds_between(*newest_scan_end_, scan.end()) > kSuspiciousLeap) {
+    suspect_scan_ = std::move(scan);
+    return;
+  }
+  take_scan(std::move(scan));
+}
+
+void Synchronizer::take_scan(Scan scan) {
   if (newest_scan_end_ && scan.end() <= *newest_scan_end_) {
     ++counters_.scans_dropped_order;
     return;

@@ -6,10 +6,11 @@
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
 #include <sensor_msgs/Imu.h>
-#include <sensor_msgs/PointCloud2.h>
 #include <topic_tools/shape_shifter.h>
 
 #include <stdexcept>
+
+#include "allan_lio/ros/raw_cloud.h"
 
 namespace allan_lio {
 namespace {
@@ -36,8 +37,8 @@ BagPlayer::BagPlayer(const std::vector<std::string>& bags, const std::string& fi
     : bags_(bags), files_(bags), filter_(ros::names::resolve(filter)), rate_(rate), patience_(patience) {
   clock_ = handle_.advertise<rosgraph_msgs::Clock>("/clock", 10);
   wait_for_filter(patience);
-  bags_.require(answer_.imu_topic, ros::message_traits::datatype<sensor_msgs::Imu>());
-  bags_.require(answer_.lidar_topic, ros::message_traits::datatype<sensor_msgs::PointCloud2>());
+  bags_.require(answer_.imu_topic, {ros::message_traits::datatype<sensor_msgs::Imu>()});
+  bags_.require(answer_.lidar_topic, cloud_datatypes());
 }
 
 void BagPlayer::wait_for_filter(double patience) {

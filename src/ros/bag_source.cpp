@@ -3,12 +3,20 @@
 #include "allan_lio/ros/bag_source.h"
 
 #include <algorithm>
+#include <map>
 
 namespace allan_lio {
 namespace {
 
 std::string without_slash(const std::string& topic) {
   return !topic.empty() && topic.front() == '/' ? topic.substr(1) : topic;
+}
+
+template <class Words>
+std::string joined(const Words& words, const char* between) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
+  return text;
 }
 
 }  // namespace
@@ -24,23 +32,21 @@ BagSource::BagSource(const std::vector<std::string>& files) {
   }
 }
 
-void BagSource::require(const std::string& topic, const std::string& datatype) const {
-  std::set<std::string> others;
+void BagSource::require(const std::string& topic, const std::vector<std::string>& datatypes) const {
+  std::map<std::string, std::set<std::string>> others;  // topics by type
   std::string held;
-  for (const Input& input : inputs_) {
-    for (const auto& connection : input.reader->connections()) {
-      const bool right = connection->datatype == datatype;
-      if (same_topic(connection->topic, topic) && right) return;
-      if (same_topic(connection->topic, topic)) held = connection->datatype;
-      if (right) others.insert(connection->topic);
-    }
+  for (const auto& connection : connections()) {
+    const bool right = std::find(datatypes.begin(), datatypes.end(), connection->datatype) != datatypes.end();
+    if (same_topic(connection->topic, topic) && right) return;
+    if (same_topic(connection->topic, topic)) held = connection->datatype;
+    if (right) others[connection->datatype].insert(connection->topic);
   }
-  std::string names;
-  for (const std::string& other : others) names += (names.empty() ? "" : ", ") + other;
+  const std::string types = joined(datatypes, " or ");
   std::string message = held.empty() ? "the bag holds no topic " + topic
-                                     : "topic " + topic + " of the bag is of type " + held + ", not " + datatype;
-  message += others.empty() ? "; it holds no topic of type " + datatype + " at all"
-                            : "; its topics of type " + datatype + ": " + names;
+                                     : "topic " + topic + " of the bag is of type " + held + ", not " + types;
+  if (others.empty()) message += "; it holds no topic of type " + types + " at all";
+  for (const auto& [datatype, names] : others)
+    message += "; its topics of type " + datatype + ": " + joined(names, ", ");
   for (const std::string& trouble : troubles()) message += "; " + trouble;
   throw BagError(message);
 }

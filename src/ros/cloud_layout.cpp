@@ -7,7 +7,7 @@
 namespace allan_lio {
 namespace {
 
-constexpr std::array<std::size_t, 9> kNumberSize{0, 1, 1, 2, 2, 4, 4, 4, 8};
+constexpr std::array<std::size_t, 11> kNumberSize{0, 1, 1, 2, 2, 4, 4, 4, 8, 8, 8};
 
 std::string field_names(const sensor_msgs::PointCloud2& cloud) {
   std::string names;
@@ -87,6 +87,9 @@ std::optional<CloudLayout> read_layout(const sensor_msgs::PointCloud2& cloud, co
   }
   if (!read_sizes(cloud, layout, error) || !read_position(cloud, layout, error)) return std::nullopt;
   layout.intensity = find_field(cloud, "intensity", error);
+  layout.tag = find_field(cloud, "tag", error);
+  // Only Livox's tag is one byte; others' fields of that name mean something else.
+  if (layout.tag && layout.tag->type != NumberType::kUint8) layout.tag.reset();
   for (const auto& field : cloud.fields) {
     const bool wanted = time_field.empty() ? is_point_time_name(field.name) : field.name == time_field;
     if (wanted && error.empty()) layout.time = find_field(cloud, field.name, error);

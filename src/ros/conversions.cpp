@@ -137,16 +137,6 @@ nav_msgs::OdometryPtr to_odometry(const BaseEstimate& estimate, const std::strin
   return message;
 }
 
-bool is_finite(const nav_msgs::Odometry& message) {
-  const auto& pose = message.pose.pose;
-  const auto& twist = message.twist.twist;
-  const auto finite = [](double value) { return std::isfinite(value); };
-  return from_point(pose.position).allFinite() && from_quaternion(pose.orientation).coeffs().allFinite() &&
-         from_vector(twist.linear).allFinite() && from_vector(twist.angular).allFinite() &&
-         std::all_of(message.pose.covariance.begin(), message.pose.covariance.end(), finite) &&
-         std::all_of(message.twist.covariance.begin(), message.twist.covariance.end(), finite);
-}
-
 sensor_msgs::PointCloud2Ptr to_cloud(const std::vector<WorldPoint>& points, const std::string& frame, TimeNs stamp) {
   auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
   cloud->header.stamp = to_ros_time(stamp);

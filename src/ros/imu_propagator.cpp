@@ -6,6 +6,7 @@
 #include <ros/console.h>
 
 #include "allan_lio/ros/conversions.h"
+#include "allan_lio/ros/finite.h"
 #include "allan_lio/ros/publish.h"
 #include "allan_lio/ros/state_message.h"
 
@@ -31,7 +32,7 @@ ImuPropagator::ImuPropagator(ros::NodeHandle handle, ros::NodeHandle private_han
 }
 
 void ImuPropagator::on_state(const StateConstPtr& message) {
-  if (!is_finite(*message)) return;
+  if (!all_finite(*message)) return;
   config_.imu.scale = {message->k_g, message->k_a, message->k_gb, message->k_ab};
   propagator_.restart(nav_state_of(*message), nav_covariance_of(*message),
                       make_imu_noise(config_.imu.spec, config_.imu.scale, config_.imu.bias_model),
@@ -50,12 +51,7 @@ void ImuPropagator::on_imu(const sensor_msgs::ImuConstPtr& message) {
   estimate.gyro = propagator_.estimate().gyro;
   estimate.gyro_variance = gyro_reading_variance(config_.imu, sample_interval_);
   estimate.T_base_imu = T_base_imu_;
-  const nav_msgs::OdometryPtr odometry = to_odometry(estimate, config_.frames.odom, config_.frames.base);
-  if (is_finite(*odometry)) {
-    odometry_.publish(odometry);
-  } else {
-    ROS_ERROR_THROTTLE(1.0, "an estimate that is not finite was not published");
-  }
+  publish_finite(odometry_, to_odometry(estimate, config_.frames.odom, config_.frames.base));
 }
 
 }  // namespace allan_lio

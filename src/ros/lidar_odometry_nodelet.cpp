@@ -6,11 +6,13 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "allan_lio/ros/lio_wrapper.h"
+#include "allan_lio/ros/shut_down_on_sigterm.h"
 
 namespace allan_lio {
 
 class LidarOdometryNodelet : public nodelet::Nodelet {
   void onInit() override {
+    shut_down_on_sigterm();  // of the manager, which would not unload its nodelets
     try {
       wrapped_ = std::make_unique<LioWrapper>(getNodeHandle(), getPrivateNodeHandle());
     } catch (const std::exception& error) {

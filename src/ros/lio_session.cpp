@@ -8,13 +8,12 @@
 #include <utility>
 
 #include "allan_lio/imu/noise_report.h"
+#include "allan_lio/io/live_parameters.h"
+#include "allan_lio/io/tum.h"
 #include "allan_lio/ros/conversions.h"
 
 namespace allan_lio {
 namespace {
-
-/// Clouds in a row that may fail before the run is given up.
-constexpr std::uint64_t kHopelessClouds = 50;
 
 constexpr std::uint64_t kRateSamples = 100;  // that the IMU's rate is told from
 constexpr double kLongestInterval = 0.1;     // [s] between IMU samples; longer is a gap
@@ -41,11 +40,7 @@ class CpuMeter {
 }  // namespace
 
 LioSession::LioSession(const LioConfig& config, const std::string& out, OnResult on_result)
-    : odometry_(std::make_unique<Odometry>(config)),
-      decoder_(config.lidar),
-      on_result_(std::move(on_result)),
-      noise_spec_(config.imu.spec),
-      noise_scale_(config.imu.scale) {
+    : odometry_(std::make_unique<Odometry>(config)), decoder_(config.lidar), on_result_(std::move(on_result)) {
   if (!out.empty()) writer_ = std::make_unique<RunWriter>(out, config);
 }
 
@@ -58,6 +53,7 @@ LioSession::~LioSession() {
 }
 
 void LioSession::add(const sensor_msgs::Imu& message) {
+  remarks_.imu_frame(message.header.frame_id);
   const ImuSample sample = to_imu_sample(message);
   TimeNs before = watch_.newest();
   if (watch_.begins_anew(sample.stamp)) restart(before = sample.stamp);
@@ -65,9 +61,11 @@ void LioSession::add(const sensor_msgs::Imu& message) {
   if (step > 0.0 && step < kLongestInterval) {
     imu_seconds_ += step;
     ++imu_steps_;
+    const LioConfig::Imu& imu = odometry_->config().imu;
     if (imu_steps_ == kRateSamples)
-      noise_report_ = describe_noise(noise_spec_, noise_scale_, static_cast<double>(imu_steps_) / imu_seconds_);
+      noise_report_ = describe_noise(imu.spec, imu.scale, static_cast<double>(imu_steps_) / imu_seconds_);
   }
+  clocks_.add_imu(watch_.newest());
   odometry_->add_imu(sample);
   take_results();
 }
@@ -81,17 +79,31 @@ void LioSession::restart(TimeNs stamp) {
   odometry_->restart();
   watch_ = RecordingWatch();
   watch_.begins_anew(stamp);
+  clocks_.begin_again();
   new_cloud_to_come_ = true;
 }
 
+std::string LioSession::add(const RawCloud& message) {
+  const std::string error = add_cloud(message, stamp_of(message).value_or(0));
+  if (error.empty()) remarks_.lidar_frame(frame_of(message));
+  return error;
+}
+
 std::string LioSession::add(const sensor_msgs::PointCloud2& message) {
-  if (new_cloud_to_come_ && to_time_ns(message.header.stamp) > watch_.newest() + RecordingWatch::kBackInTime) return "";
+  remarks_.lidar_frame(message.header.frame_id);
+  return add_cloud(message, to_time_ns(message.header.stamp));
+}
+
+template <class Cloud>
+std::string LioSession::add_cloud(const Cloud& message, TimeNs stamp) {
+  if (new_cloud_to_come_ && stamp > watch_.newest() + RecordingWatch::kBackInTime) return "";
   new_cloud_to_come_ = false;
   std::string error;
   {
     CpuMeter meter(pending_seconds_);
     DecodedCloud decoded = decoder_.decode(message);
     error = std::move(decoded.error);
+    if (decoded.scan) clocks_.add_scan(decoded.scan->begin());
     if (decoded.scan) odometry_->add_scan(std::move(*decoded.scan));
     decoded.scan ? ++decoded_ : ++undecodable_;
   }
@@ -113,10 +125,46 @@ void LioSession::take_results() {
       result = odometry_->next();
     }
     if (!result) return;
+    remarks_.accel_scale(odometry_->accel_scale());
     if (writer_) writer_->add(*result, pending_seconds_);
-    cpu_seconds_ += std::exchange(pending_seconds_, 0.0);
+    scan_seconds_ = std::exchange(pending_seconds_, 0.0);
+    cpu_seconds_ += scan_seconds_;
+    last_result_ = result->state.nav.stamp;
+    take_note(*result);
     if (on_result_) on_result_(*result);
   }
+}
+
+void LioSession::take_note(const LioResult& result) {
+  const bool used = result.outcome != ScanOutcome::kTooFewPoints && result.outcome != ScanOutcome::kTooFewMatches;
+  if (used) clocks_.begin_again();
+  if (odometry_->counters().starts_in_place == starts_in_place_) return;
+  starts_in_place_ = odometry_->counters().starts_in_place;
+  restarted_ = moment() +
+               "the IMU was silent for longer than imu/max_gap and no scan filled in: the estimator has "
+               "started again where it stood, with a new map";
+  ++restarts_;
+}
+
+std::string LioSession::moment() const {
+  return last_result_ == 0 ? "before the first scan: " : "at " + format_seconds(last_result_) + ": ";
+}
+
+void LioSession::reconfigure(const LioConfig& config) {
+  const std::string difference = live_difference(odometry_->config(), config);
+  odometry_->reconfigure(config);
+  if (!difference.empty()) add_note(moment() + difference);
+}
+
+void LioSession::reset() {
+  end_of_data();
+  add_note(moment() + "started again on request, with a new map");
+  odometry_->restart();
+}
+
+void LioSession::set_pose(const PoseAnchor& anchor) {
+  odometry_->set_pose(anchor);
+  add_note(moment() + "pose set on request, with a new map");
 }
 
 void LioSession::end_of_data() {
@@ -126,44 +174,6 @@ void LioSession::end_of_data() {
 
 double LioSession::imu_interval() const {
   return imu_steps_ == 0 ? 0.0 : imu_seconds_ / static_cast<double>(imu_steps_);
-}
-
-std::string LioSession::hopeless() const {
-  return decoded_ == 0 && undecodable_ >= kHopelessClouds ? last_refusal_ : "";
-}
-
-std::string LioSession::why_nothing() const {
-  const LioCounters& c = odometry_->counters();
-  if (c.scans_used > 0) return "";
-  if (undecodable_ > 0 && decoded_ == 0) return "no cloud could be decoded: " + last_refusal_;
-  if (decoded_ == 0) return "no scan came";
-  if (c.imu_read == 0) return "no IMU sample came";
-  const auto part = [](std::uint64_t count, const char* what) {
-    return count == 0 ? std::string() : ", " + std::to_string(count) + " " + what;
-  };
-  return "of " + std::to_string(c.scans_read) + " scans none was used" +
-         part(c.scans_before_imu, "begin before the first IMU sample or the end of the initialisation") +
-         part(c.scans_after_imu, "end after the last IMU sample") + part(c.scans_dropped_order, "out of order") +
-         part(c.scans_overflow, "waited for IMU data in vain") + part(c.scans_too_few_points, "with too few points") +
-         part(c.scans_too_few_matches, "with too few matches");
-}
-
-void LioSession::finish(const std::string& status) {
-  if (std::exchange(finished_, true) || !writer_) return;
-  RunSummary summary;
-  summary.counters = odometry_->counters();
-  summary.map_megabytes = odometry_->map_megabytes();
-  summary.map_voxels = odometry_->map_voxels();
-  summary.notes = notes_;
-  summary.notes.insert(summary.notes.begin(), noise_report_.begin(), noise_report_.end());
-  if (!verdict().empty()) summary.notes.insert(summary.notes.begin(), verdict());
-  if (undecodable_ > 0)
-    summary.notes.push_back(std::to_string(undecodable_) +
-                            " messages could not be decoded; the last: " + last_refusal_);
-  if (restarts_ > 0) summary.notes.push_back(restarted_ + " (" + std::to_string(restarts_) + " times in all)");
-  summary.inputs = inputs_;
-  summary.status = status;
-  writer_->finish(summary);
 }
 
 }  // namespace allan_lio

@@ -21,8 +21,13 @@ LioWrapper::LioWrapper(ros::NodeHandle handle, ros::NodeHandle private_handle)
       publisher_(std::make_unique<LioPublisher>(private_handle, parameters_.config, T_base_imu_)) {
   const LioConfig& config = parameters_.config;
   show_in_force(private_handle, config);
-  session_ = std::make_unique<LioSession>(config, parameters_.out,
-                                          [this](const LioResult& r) { publisher_->publish(r, *session_); });
+  session_ = std::make_unique<LioSession>(config, parameters_.out, [this](const LioResult& r) { on_result(r); });
+  monitor_ = std::make_unique<LioMonitor>(handle, private_handle, *session_);
+  tuning_ = std::make_unique<LiveTuning>(private_handle, parameters_,
+                                         [this](const LioConfig& wanted) { session_->reconfigure(wanted); });
+  services_ = std::make_unique<LioServices>(
+      private_handle, LioServices::Context{*session_, T_base_imu_, parameters_.out, [this] { return R_world_imu_; },
+                                           [this] { start_again(); }});
   ROS_INFO("imu: %s, lidar: %s, k_g %g, k_a %g, k_gb %g, k_ab %g, configuration %s", config.topics.imu.c_str(),
            config.topics.lidar.c_str(), config.imu.scale.k_g, config.imu.scale.k_a, config.imu.scale.k_gb,
            config.imu.scale.k_ab, config_hash(config).c_str());
@@ -36,22 +41,41 @@ LioWrapper::LioWrapper(ros::NodeHandle handle, ros::NodeHandle private_handle)
 
 void LioWrapper::on_imu(const sensor_msgs::ImuConstPtr& message) {
   ++imu_received_;
+  monitor_->saw_imu();
   if (!finished_) session_->add(*message);
 }
 
-void LioWrapper::on_cloud(const sensor_msgs::PointCloud2ConstPtr& message) {
+void LioWrapper::on_cloud(const topic_tools::ShapeShifter::ConstPtr& message) {
   ++scans_received_;
   if (finished_) return;
-  const std::string error = session_->add(*message);
+  tuning_->poll();
+  const std::string error = session_->add(to_raw_cloud(*message, cloud_bytes_));
+  monitor_->saw_cloud(error);
   if (!error.empty()) ROS_ERROR_STREAM_THROTTLE(2.0, "scan refused: " << error);
   tell_news();
+}
+
+void LioWrapper::on_result(const LioResult& result) {
+  R_world_imu_ = result.state.nav.T_world_imu.rotation;
+  publisher_->publish(result, *session_);
+  monitor_->saw_result(result);
+}
+
+void LioWrapper::start_again() {
+  R_world_imu_.reset();
+  publisher_->clear_path();
+  monitor_->clear();
 }
 
 void LioWrapper::tell_news() {
   if (session_->restarts() != told_restarts_) ROS_WARN_STREAM(session_->restarted());
   told_restarts_ = session_->restarts();
+  const std::string clocks = session_->clock_trouble();
+  if (!clocks.empty()) ROS_ERROR_STREAM_THROTTLE(5.0, clocks);
   if (session_->verdict() != told_verdict_) ROS_INFO_STREAM(session_->verdict());
   told_verdict_ = session_->verdict();
+  for (; told_remarks_ < session_->remarks().size(); ++told_remarks_)
+    ROS_INFO_STREAM(session_->remarks()[told_remarks_]);
   if (told_noise_) return;
   for (const std::string& line : session_->noise_report()) ROS_INFO_STREAM(line);
   told_noise_ = !session_->noise_report().empty();

@@ -15,6 +15,7 @@ namespace {
 using XmlRpc::XmlRpcValue;
 
 const char* const kInForce = "in_force";
+const char* const kDiagnosticPeriod = "diagnostic_period";  // diagnostic_updater's own
 
 /// As a YAML scalar would hold it.
 std::string scalar_text(const XmlRpcValue& value, const std::string& origin) {
@@ -75,6 +76,8 @@ XmlRpcValue typed(const std::string& text) {
   return XmlRpcValue(text);
 }
 
+}  // namespace
+
 XmlRpcValue to_value(const ConfigEntry& entry) {
   if (!entry.is_list) return typed(entry.items.empty() ? "" : entry.items.front());
   XmlRpcValue list;
@@ -83,24 +86,25 @@ XmlRpcValue to_value(const ConfigEntry& entry) {
   return list;
 }
 
-}  // namespace
-
 ConfigSource flatten_parameters(const XmlRpcValue& tree, const std::string& origin) {
   ConfigSource source;
   flatten(tree, "", origin, source);
   return source;
 }
 
+ConfigSource given_parameters(const XmlRpcValue& tree, const std::string& origin) {
+  XmlRpcValue own;
+  if (tree.getType() != XmlRpcValue::TypeStruct) return {};
+  for (const auto& member : tree)
+    if (member.first != kInForce && member.first != kDiagnosticPeriod) own[member.first] = member.second;
+  return own.valid() ? flatten_parameters(own, origin) : ConfigSource();
+}
+
 NodeParameters read_node_parameters(const ros::NodeHandle& private_handle) {
-  ConfigSource given;
-  XmlRpcValue tree;
-  if (private_handle.getParam("", tree) && tree.getType() == XmlRpcValue::TypeStruct) {
-    XmlRpcValue own;
-    for (auto& member : tree)
-      if (member.first != kInForce) own[member.first] = member.second;
-    if (own.valid()) given = flatten_parameters(own, private_handle.getNamespace());
-  }
   NodeParameters parameters;
+  XmlRpcValue tree;
+  if (private_handle.getParam("", tree)) parameters.given = given_parameters(tree, private_handle.getNamespace());
+  ConfigSource given = parameters.given;
   parameters.out = take_text(given, "out");
   const std::string name = take_text(given, "config");
   const ConfigSource base = name.empty() ? ConfigSource() : load_yaml(name, config_search_dirs());
@@ -110,8 +114,11 @@ NodeParameters read_node_parameters(const ros::NodeHandle& private_handle) {
 
 void show_in_force(const ros::NodeHandle& private_handle, const LioConfig& config) {
   private_handle.deleteParam(kInForce);  // what an earlier run left
-  const ros::NodeHandle in_force(private_handle, kInForce);
-  for (const auto& [key, entry] : to_source(config)) in_force.setParam(key, to_value(entry));
+  for (const auto& [key, entry] : to_source(config)) show_in_force(private_handle, key, entry);
+}
+
+void show_in_force(const ros::NodeHandle& private_handle, const std::string& key, const ConfigEntry& entry) {
+  private_handle.setParam(std::string(kInForce) + "/" + key, to_value(entry));
 }
 
 }  // namespace allan_lio

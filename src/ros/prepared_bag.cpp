@@ -30,7 +30,7 @@ class Recorder {
     try {
       take_lio_message(
           message, config_.topics, [this](const sensor_msgs::Imu& imu) { add(imu); },
-          [this](const sensor_msgs::PointCloud2& cloud) { add(cloud); });
+          [this](const RawCloud& cloud) { add(cloud); });
     } catch (const ros::serialization::StreamOverrunException&) {
       refuse("its bytes end too early");
     }
@@ -45,6 +45,7 @@ class Recorder {
     if (record_.imu().empty()) throw BagError(files_ + ": no IMU sample came" + also);
     PreparedBag bag;
     if (!decoder_.verdict().empty()) bag.notes.push_back(decoder_.verdict());
+    for (const std::string& remark : decoder_.remarks()) bag.notes.push_back(remark);
     if (undecodable_ > 0)
       bag.notes.push_back(std::to_string(undecodable_) + " messages could not be decoded; the last: " + last_refusal_);
     bag.notes.insert(bag.notes.end(), troubles.begin(), troubles.end());
@@ -66,7 +67,7 @@ class Recorder {
     record_.add(sample);
   }
 
-  void add(const sensor_msgs::PointCloud2& message) {
+  void add(const RawCloud& message) {
     const DecodedCloud decoded = decoder_.decode(message);
     if (!decoded.scan) return refuse(decoded.error);
     record_.add(thin_scan(*decoded.scan, config_.map.insert_leaf, config_.lidar.leaf, downsampler_));

@@ -8,11 +8,14 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <boost/make_shared.hpp>
 
 #include "allan_lio/io/config_source.h"
 #include "allan_lio/ros/conversions.h"
+#include "allan_lio/ros/finite.h"
+#include "allan_lio/ros/markers.h"
 #include "allan_lio/ros/state_message.h"
 
 namespace allan_lio {
@@ -59,7 +62,8 @@ LioPublisher::LioPublisher(ros::NodeHandle private_handle, const LioConfig& conf
       path_(private_handle.advertise<nav_msgs::Path>("path", 2)),
       points_(private_handle.advertise<sensor_msgs::PointCloud2>("points", 4)),
       map_(private_handle.advertise<sensor_msgs::PointCloud2>("map", 1, true)),
-      state_(private_handle.advertise<State>("state", 100)) {
+      state_(private_handle.advertise<State>("state", 100)),
+      markers_(private_handle.advertise<visualization_msgs::MarkerArray>("markers", 4)) {
   track_.header.frame_id = config.frames.odom;
 }
 
@@ -69,16 +73,14 @@ void LioPublisher::publish(const LioResult& result, const LioSession& session) {
   estimate.state = result.state.nav;
   estimate.covariance = result.covariance.topLeftCorner<kNavDof, kNavDof>();
   estimate.gyro = result.gyro;
-  estimate.gyro_variance = gyro_reading_variance(config_.imu, session.imu_interval());
+  estimate.gyro_variance = gyro_reading_variance(session.odometry().config().imu, session.imu_interval());
   estimate.T_base_imu = T_base_imu_;
   const nav_msgs::OdometryPtr odometry = to_odometry(estimate, config_.frames.odom, config_.frames.base);
   const StatePtr state = to_state_message(result, session.odometry().config(), session.odometry().accel_scale());
-  if (!is_finite(*odometry) || !is_finite(*state)) {
-    ROS_ERROR_THROTTLE(1.0, "an estimate that is not finite was not published");
-    return;
-  }
-  odometry_.publish(odometry);
-  state_.publish(state);
+  // An estimate that is not finite in part is not published at all.
+  if (!all_finite(*odometry) || !publish_finite(state_, state)) return;
+  publish_finite(odometry_, odometry);
+  if (markers_.getNumSubscribers() > 0) publish_finite(markers_, to_markers(result, config_.frames.odom));
   if (config_.frames.publish_tf) {
     geometry_msgs::TransformStamped transform;
     transform.header = odometry->header;

@@ -6,6 +6,8 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
+#include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
@@ -14,7 +16,8 @@ namespace allan_lio {
 void save_map(const std::string& path, const std::vector<WorldPoint>& points) {
   if (points.empty()) throw std::runtime_error(path + " is not written: the map is empty");
   // PCL's own words on a path that cannot be opened name neither the path nor the reason.
-  if (!std::ofstream(path, std::ios::binary)) throw std::runtime_error("cannot write " + path);
+  const std::string part = path + ".part";  // takes the file's place when it is whole
+  if (!std::ofstream(part, std::ios::binary)) throw std::runtime_error("cannot write " + path);
   pcl::PointCloud<pcl::PointXYZI> cloud;
   cloud.reserve(points.size());
   for (const WorldPoint& p : points) {
@@ -26,8 +29,9 @@ void save_map(const std::string& path, const std::vector<WorldPoint>& points) {
     cloud.push_back(point);
   }
   try {
-    if (pcl::io::savePCDFileBinaryCompressed(path, cloud) == 0) return;
-  } catch (const pcl::IOException& error) {
+    if (pcl::io::savePCDFileBinaryCompressed(part, cloud) == 0) return std::filesystem::rename(part, path);
+  } catch (const std::exception& error) {
+    std::remove(part.c_str());
     throw std::runtime_error("cannot write " + path + ": " + error.what());
   }
   throw std::runtime_error("cannot write " + path);

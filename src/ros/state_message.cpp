@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/ros/state_message.h"
 
-#include <algorithm>
 #include <boost/make_shared.hpp>
-#include <cmath>
 
 #include "allan_lio/ros/conversions.h"
 
@@ -50,6 +48,7 @@ StatePtr to_state_message(const LioResult& result, const LioConfig& config, doub
   message->k_a = config.imu.scale.k_a;
   message->k_gb = config.imu.scale.k_gb;
   message->k_ab = config.imu.scale.k_ab;
+  message->k_r = config.lidar.k_r;
   message->accel_scale = accel_scale;
   return message;
 }
@@ -67,18 +66,6 @@ NavState nav_state_of(const State& message) {
 
 NavMatrix nav_covariance_of(const State& message) {
   return Eigen::Map<const RowMajor>(message.covariance.data()).topLeftCorner<kNavDof, kNavDof>();
-}
-
-bool is_finite(const State& message) {
-  const NavState nav = nav_state_of(message);
-  return nav.T_world_imu.translation.allFinite() && from_quaternion(message.orientation).coeffs().allFinite() &&
-         nav.velocity_world.allFinite() && nav.gyro_bias.allFinite() && nav.accel_bias.allFinite() &&
-         nav.gravity_world.allFinite() && from_vector(message.angular_velocity).allFinite() &&
-         from_point(message.extrinsic_translation).allFinite() &&
-         from_quaternion(message.extrinsic_rotation).coeffs().allFinite() &&
-         std::all_of(message.covariance.begin(), message.covariance.end(), [](double c) { return std::isfinite(c); }) &&
-         std::all_of(message.support.begin(), message.support.end(), [](double s) { return std::isfinite(s); }) &&
-         std::isfinite(message.residual_rms);
 }
 
 }  // namespace allan_lio

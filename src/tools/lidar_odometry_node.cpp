@@ -3,11 +3,13 @@
 #include <ros/ros.h>
 
 #include "allan_lio/ros/lio_wrapper.h"
+#include "allan_lio/ros/shut_down_on_sigterm.h"
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "lidar_odometry");
   // Outside of the try block: when the last handle goes, so does the console.
   const ros::NodeHandle handle, private_handle("~");
+  allan_lio::shut_down_on_sigterm();
   try {
     allan_lio::LioWrapper wrapped(handle, private_handle);
     ros::spin();

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "allan_lio/io/config_source.h"
+#include "allan_lio/io/whole_file.h"
 #include "allan_lio/io/yaml_source.h"
 #include "allan_lio/ros/config_dirs.h"
 #include "allan_lio/ros/lio_bag.h"
@@ -73,7 +74,7 @@ void feed(const BagMessage& message, const LioConfig& config, LioSession& sessio
   try {
     take_lio_message(
         message, config.topics, [&session](const sensor_msgs::Imu& imu) { session.add(imu); },
-        [&session](const sensor_msgs::PointCloud2& cloud) { session.add(cloud); });
+        [&session](const RawCloud& cloud) { session.add(cloud); });
   } catch (const ros::serialization::StreamOverrunException&) {
     session.count_undecodable("its bytes end too early");
   }
@@ -82,6 +83,7 @@ void feed(const BagMessage& message, const LioConfig& config, LioSession& sessio
 void print_summary(const LioSession& session, const Arguments& a) {
   const LioCounters& c = session.odometry().counters();
   if (!session.verdict().empty()) std::cout << session.verdict() << '\n';
+  for (const std::string& remark : session.remarks()) std::cout << remark << '\n';
   std::cout << c.scans_used << " of " << c.scans_read + session.undecodable() << " scans used, " << c.imu_read
             << " IMU samples";
   if (c.scans_used > 0)
@@ -95,6 +97,7 @@ int run(const Arguments& a) {
   BagSource bags = open_lio_bags(a.bags, config.topics);
   LioSession session(config, a.out, {});
   session.set_inputs(a.bags);
+  if (a.map) check_writable(a.out + "/map.pcd");
 
   ProgressBar bar(bags.begin(), bags.end());
   BagMessage message;

@@ -102,11 +102,43 @@ TEST(OdometryFaults, AStandstillInACorridorTakesUpNoVelocity) {
   EXPECT_LT(strayed(run.results.back()), 0.3);
 }
 
-TEST(OdometryFaults, AGapInTheImuIsSeenAndMakesTheVelocityUncertain) {
-  const auto gap = [](ImuSample& s) { return s.stamp < kStart + 2'000'000'000 || s.stamp > kStart + 4'000'000'000; };
-  const Drive run = stand(default_config(mti600_spec()), 60, room, gap);
+bool in_gap(TimeNs t) { return t >= kStart + 2'000'000'000 && t <= kStart + 4'000'000'000; }
+
+double position_sigma(const LioResult& r) { return std::sqrt(r.covariance(kPosition, kPosition)); }
+
+TEST(OdometryFaults, AGapInTheImuIsSeenAndTheScansInItCarryTheMotion) {
+  const Drive run = stand(default_config(mti600_spec()), 60, room, [](ImuSample& s) { return !in_gap(s.stamp); });
   EXPECT_EQ(run.counters.imu_gaps, 1u);
   EXPECT_EQ(run.counters.scans_used, 60u);
+  EXPECT_EQ(run.counters.starts_in_place, 0u);
+  EXPECT_LT(strayed(run.results.back()), 0.05);
+  EXPECT_LT(position_sigma(run.results.back()), 0.1);
+}
+
+TEST(OdometryFaults, ASilenceOfBothSensorsStartsAgainInPlaceWithAnHonestCovariance) {
+  const Drive run = stand(
+      default_config(mti600_spec()), 60,
+      [](int i) { return in_gap(kStart + i * kScanStep) ? std::vector<Eigen::Vector3d>{} : room(i); },
+      [](ImuSample& s) { return !in_gap(s.stamp); });
+  EXPECT_EQ(run.counters.starts_in_place, 1u);
+  EXPECT_EQ(run.counters.map_restarts, 1u);
+  EXPECT_EQ(run.results.back().outcome, ScanOutcome::kUpdated);
+  EXPECT_LT(strayed(run.results.back()), 0.05) << "the pose is kept";
+  // 2 s at init/velocity_sigma, 10 m/s: nobody saw where it went.
+  EXPECT_NEAR(position_sigma(run.results.back()), 20.0, 2.0);
+  const LioVector sigma = run.results.back().covariance.diagonal().cwiseSqrt();
+  EXPECT_GT(sigma[kTheta + 2], 0.9) << "nor how it turned";
+  EXPECT_LT(sigma[kVelocity], 0.1) << "but how it moves is seen again";
+  for (const LioResult& r : run.results) EXPECT_TRUE(is_finite(r));
+}
+
+TEST(OdometryFaults, TheLongestSilenceThatIsBridgedIsTheConfigurations) {
+  LioConfig config = default_config(mti600_spec());
+  config.imu.max_gap = 5.0;
+  const Drive run = stand(
+      config, 60, [](int i) { return in_gap(kStart + i * kScanStep) ? std::vector<Eigen::Vector3d>{} : room(i); },
+      [](ImuSample& s) { return !in_gap(s.stamp); });
+  EXPECT_EQ(run.counters.starts_in_place, 0u);
   EXPECT_LT(strayed(run.results.back()), 0.05);
 }
 

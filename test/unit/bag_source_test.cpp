@@ -181,16 +181,16 @@ TEST_F(BagSourceTest, what_is_no_bag_is_refused_by_name) {
 
 TEST_F(BagSourceTest, a_missing_topic_is_named_with_those_there_are) {
   BagSource source({write_bag("topics.bag", rosbag::compression::Uncompressed)});
-  EXPECT_NO_THROW(source.require("imu", "sensor_msgs/Imu"));
+  EXPECT_NO_THROW(source.require("imu", {"sensor_msgs/Imu"}));
   try {
-    source.require("/imu/data", "sensor_msgs/Imu");
+    source.require("/imu/data", {"sensor_msgs/Imu"});
     FAIL() << "no exception";
   } catch (const BagError& error) {
     const std::string text = error.what();
     EXPECT_NE(text.find("/imu/data"), std::string::npos) << text;
     EXPECT_NE(text.find("sensor_msgs/Imu: /imu"), std::string::npos) << text;
   }
-  EXPECT_THROW(source.require("/imu", "sensor_msgs/PointCloud2"), BagError);
+  EXPECT_THROW(source.require("/imu", {"sensor_msgs/PointCloud2"}), BagError);
 }
 
 }  // namespace

@@ -111,9 +111,6 @@ TEST(Conversions, odometry_message_holds_both_covariances_row_by_row) {
   EXPECT_EQ(to_time_ns(message->header.stamp), estimate.state.stamp);
   EXPECT_NEAR(message->pose.covariance[5], base_pose_covariance(estimate)(0, 5), kExact);
   EXPECT_NEAR(message->twist.covariance[3 * 6 + 1], base_twist_covariance(estimate)(3, 1), kExact);
-  EXPECT_TRUE(is_finite(*message));
-  message->twist.covariance[35] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(is_finite(*message));
 }
 
 TEST(Conversions, times_go_there_and_back_and_stay_inside_what_ros_holds) {

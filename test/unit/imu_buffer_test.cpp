@@ -60,6 +60,27 @@ TEST(ImuBuffer, AGapIsSeenOnceByTheIntervalInWhichItEnds) {
   EXPECT_EQ(buffer.longest_gap(100 * kStep, 150 * kStep), 0.0);
 }
 
+TEST(ImuBuffer, ASilenceIsMeasuredInsideTheTimeAskedForAndKnowsItsEnd) {
+  ImuBuffer buffer = ramp(3);
+  buffer.push({100 * kStep, {}, {}});
+  buffer.push({101 * kStep, {}, {}});
+  EXPECT_NEAR(buffer.longest_silence(0, 101 * kStep).seconds, 0.98, kRounding);
+  EXPECT_NEAR(buffer.longest_silence(0, 50 * kStep).seconds, 0.48, kRounding);
+  EXPECT_NEAR(buffer.longest_silence(30 * kStep, 50 * kStep).seconds, 0.20, kRounding);
+  EXPECT_EQ(buffer.longest_silence(30 * kStep, 50 * kStep).begin, 30 * kStep);
+  EXPECT_EQ(buffer.longest_silence(30 * kStep, 50 * kStep).end, 100 * kStep);
+  EXPECT_NEAR(buffer.longest_silence(100 * kStep, 200 * kStep).seconds, 0.01, kRounding);
+  EXPECT_EQ(buffer.longest_silence(101 * kStep, 200 * kStep).seconds, 0.0);
+}
+
+TEST(ImuBuffer, TheSpacingIsThatOfTheSamplesAround) {
+  ImuBuffer buffer = ramp(3);
+  buffer.push({100 * kStep, {}, {}});
+  EXPECT_NEAR(buffer.spacing_at(kStep / 2), 0.01, kRounding);
+  EXPECT_NEAR(buffer.spacing_at(50 * kStep), 0.98, kRounding);
+  EXPECT_EQ(buffer.spacing_at(101 * kStep), 0.0);
+}
+
 TEST(ImuBuffer, KeepsTheSampleBeforeTheTimeItDiscardsTo) {
   ImuBuffer buffer = ramp(6);
   buffer.discard_before(kStep * 5 / 2);

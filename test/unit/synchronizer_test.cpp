@@ -86,6 +86,50 @@ TEST(Synchronizer, OneStampFarAheadIsDroppedAndARealGapIsNot) {
   EXPECT_EQ(counters.imu_dropped_order, 1u);
 }
 
+TEST(Synchronizer, OneScanFarAheadIsDroppedAndARealGapIsNot) {
+  LioCounters counters;
+  Synchronizer sync(counters);
+  sync.add_imu(imu(0));
+  for (TimeNs ms = 100; ms <= 9000; ms += 100) sync.add_imu(imu(ms));
+  sync.add_scan(scan(0));
+  sync.add_scan(scan(1'000'000));
+  for (const TimeNs ms : {100, 200, 5000, 5100}) sync.add_scan(scan(ms));
+  for (const TimeNs ms : {0, 100, 200, 5000, 5100}) {
+    const std::optional<Scan> taken = sync.take();
+    ASSERT_TRUE(taken) << ms;
+    EXPECT_EQ(taken->stamp, ms * kMs);
+  }
+  EXPECT_EQ(counters.scans_dropped_order, 1U);
+}
+
+TEST(Synchronizer, AScanFarAheadThatIsTheLastOneIsKept) {
+  LioCounters counters;
+  Synchronizer sync(counters);
+  for (TimeNs ms = 0; ms <= 6000; ms += 100) sync.add_imu(imu(ms));
+  sync.add_scan(scan(0));
+  sync.add_scan(scan(5000));
+  EXPECT_TRUE(sync.take());
+  EXPECT_FALSE(sync.take());
+  sync.end_of_data();
+  EXPECT_TRUE(sync.take());
+}
+
+TEST(Synchronizer, BeginningAgainForgetsWhatWasBeforeAndTakesTheScanBack) {
+  LioCounters counters;
+  Synchronizer sync(counters);
+  for (const TimeNs ms : {0, 10, 3000, 3010, 3200}) sync.add_imu(imu(ms));
+  sync.add_scan(scan(2950));
+  sync.add_scan(scan(3050));
+  std::optional<Scan> taken = sync.take();
+  ASSERT_TRUE(taken);
+  sync.begin_again(3000 * kMs, std::move(*taken));
+  EXPECT_EQ(sync.imu().oldest(), 3000 * kMs);
+  taken = sync.take();
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->stamp, 3050 * kMs) << "the other began in the silence";
+  EXPECT_EQ(counters.scans_before_imu, 1U);
+}
+
 TEST(Synchronizer, TheBufferIsBoundedWhileNoScanComes) {
   LioCounters counters;
   Synchronizer sync(counters);

@@ -33,6 +33,18 @@ class ImuBuffer {
   /// Longest time [s] between neighbouring samples of which the later lies in (from, to]; 0 if there is none.
   double longest_gap(TimeNs from, TimeNs to) const;
 
+  /// A time without samples.
+  struct Silence {
+    double seconds = 0.0;  ///< of it in the time that was asked for [s]
+    TimeNs begin = 0;      ///< not before the time that was asked for
+    TimeNs end = 0;        ///< stamp of the sample that ends it, be it after the time that was asked for
+  };
+  /// The longest part of [from, to] between two neighbouring samples.
+  Silence longest_silence(TimeNs from, TimeNs to) const;
+
+  /// Time [s] between the two samples around `t`; 0 beyond either end of the buffer.
+  double spacing_at(TimeNs t) const;
+
   /// Forgets what no interval that begins at or after `t` needs.
   void discard_before(TimeNs t);
 

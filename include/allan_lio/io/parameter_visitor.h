@@ -27,6 +27,7 @@ struct ParameterInfo {
   std::string key;       ///< "imu/k_gb"
   std::string unit;      ///< "m", "1" for a pure number
   std::string sentence;  ///< what it is, and "Change it when ..."
+  bool live = false;     ///< may be changed while the filter runs
 };
 
 /// Closed interval, or open below where `exclusive_low` is set.

@@ -12,7 +12,7 @@
 
 namespace allan_lio {
 
-/// Type of a field's numbers. The values are those of sensor_msgs/PointField.
+/// Type of a field's numbers. The values are those of sensor_msgs/PointField, and for 64-bit integers PCL's.
 enum class NumberType {
   kInt8 = 1,
   kUint8,
@@ -22,6 +22,8 @@ enum class NumberType {
   kUint32,
   kFloat32,
   kFloat64,
+  kInt64,
+  kUint64,
 };
 
 /// "float32" and so on.
@@ -34,10 +36,11 @@ bool is_point_time_name(const std::string& name);
 struct PointTimeEvidence {
   std::string field;
   NumberType type = NumberType::kFloat32;
-  double smallest = 0.0;   ///< raw value
-  double largest = 0.0;    ///< raw value
-  std::size_t points = 0;  ///< with a valid position
-  TimeNs stamp = 0;        ///< of the message's header
+  double smallest = 0.0;            ///< raw value, strays left out
+  double largest = 0.0;             ///< raw value, strays left out
+  std::size_t points = 0;           ///< with a valid position
+  TimeNs stamp = 0;                 ///< of the message's header
+  TimeUnit unit = TimeUnit::kAuto;  ///< if the message's type says it
 };
 
 /// How a raw value becomes a time.
@@ -50,15 +53,17 @@ struct PointTimeRule {
   };
   Origin origin = Origin::kStamp;
   double ns_per_unit = 1.0;
+  double sweep = 0.1;   ///< length of the first one [s]
   std::string verdict;  ///< one line for the user
 };
 
 /// Tells unit and origin of the point times from the first scans, and keeps to it afterwards. A unit is believed
 /// when the sweep then lasts between kShortestSweep and kLongestSweep; units lie a factor of 1000 apart, so at most
-/// one passes.
+/// one passes. A unit that the options or the message's type give may make shorter sweeps.
 class PointTimeDetector {
  public:
   static constexpr double kShortestSweep = 0.01;  ///< [s]
+  static constexpr double kShortestTold = 0.001;  ///< [s], where the unit is given
   static constexpr double kLongestSweep = 1.0;    ///< [s]
   static constexpr std::size_t kEnoughPoints = 100;
   static constexpr int kTrials = 10;  ///< scans with enough points that are looked at before the refusal is final

@@ -41,6 +41,7 @@ struct LioConfig {
     PointTime point_time;    ///< what the point-time field counts from
     TimeUnit time_unit;      ///< its unit
     std::string time_field;  ///< its name; empty: found
+    bool drop_tagged;        ///< what Livox's tag calls noise
     double time_offset;      ///< added to the LiDAR's stamps to reach the IMU's clock [s]
     double min_range;        ///< [m]
     double max_range;        ///< [m]

@@ -33,7 +33,7 @@ enum class ScanOutcome {
   kFirst,          ///< the first one: it founds the map
   kTooFewPoints,   ///< the IMU went on alone
   kTooFewMatches,  ///< the IMU went on alone
-  kMapRestarted,   ///< too many scans in a row had no match: the map starts anew with this one
+  kMapRestarted,   ///< too many scans in a row had no match, or the IMU was silent for too long: the map starts anew
 };
 
 /// The estimate at a scan's end.
@@ -62,6 +62,7 @@ struct LioCounters {
   std::uint64_t scans_read = 0;
   std::uint64_t scans_used = 0;           ///< kUpdated, kFirst and kMapRestarted
   std::uint64_t map_restarts = 0;         ///< kMapRestarted
+  std::uint64_t starts_in_place = 0;      ///< after a silence of the IMU longer than imu/max_gap
   std::uint64_t scans_dropped_order = 0;  ///< older than the newest one taken
   std::uint64_t scans_before_imu = 0;     ///< begin before the first IMU sample
   std::uint64_t scans_after_imu = 0;      ///< end after the last IMU sample when the data ended

@@ -19,6 +19,14 @@ struct WorldPoint {
   float intensity;  ///< as the driver gives it; 0 for map points
 };
 
+/// A pose in the world that is known from elsewhere. The filter's world is level, so of the attitude only the heading
+/// counts: that of the x axis.
+struct PoseAnchor {
+  RigidTransform T_world_imu;
+  Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Zero();  ///< [m^2], world
+  double heading_variance = 0.0;                                  ///< about the world's z axis [rad^2]
+};
+
 /// LiDAR-inertial odometry: samples and scans in, states out. Deterministic: the results depend only on the two
 /// streams, not on how they interleave, on the number of threads or on time. Not thread-safe.
 class Odometry {
@@ -51,8 +59,13 @@ class Odometry {
   /// Factor from the accelerometer's readings to m/s^2 in force; 1 before the start is settled.
   double accel_scale() const;
 
-  /// Takes effect with the next scan.
-  void set_noise_scale(const NoiseScale& scale);
+  /// Takes effect with the next scan. `config` may differ from the one in force in live parameters only
+  /// (change_live()).
+  void reconfigure(const LioConfig& config);
+
+  /// Says where the IMU stood at the end of the last scan. The map starts anew there with that scan's points; velocity,
+  /// biases and tilt stay as they are known. Before the first scan: where the run begins.
+  void set_pose(const PoseAnchor& anchor);
 
   /// Forgets everything but the configuration in force and the counters, and starts again with the data to come.
   void restart();

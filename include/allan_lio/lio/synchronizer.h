@@ -31,6 +31,10 @@ class Synchronizer {
   /// kBridge after the last sample passes too.
   std::optional<Scan> take();
 
+  /// The IMU's data begins anew with the sample at `t`: forgets what was before, and takes back a scan that take()
+  /// gave.
+  void begin_again(TimeNs t, Scan scan);
+
   /// Forgets the IMU data that nothing after `t` needs.
   void discard_before(TimeNs t) { imu_.discard_before(t); }
 
@@ -42,6 +46,7 @@ class Synchronizer {
   static constexpr double kKeptWithoutScans = 600;  ///< [s] of IMU data
 
   void take_imu(const ImuSample& sample);
+  void take_scan(Scan scan);
 
   LioCounters& counters_;
   ImuBuffer imu_;
@@ -50,6 +55,7 @@ class Synchronizer {
   std::optional<TimeNs> newest_scan_end_;
   /// A sample far ahead of its time: kept back until the next one tells a gap from a wrong stamp.
   std::optional<ImuSample> suspect_;
+  std::optional<Scan> suspect_scan_;  ///< the same of a scan
   bool ended_ = false;
 };
 

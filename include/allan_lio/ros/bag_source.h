@@ -16,8 +16,8 @@ class BagSource {
   /// Throws BagError.
   explicit BagSource(const std::vector<std::string>& files);
 
-  /// Throws BagError unless `topic` is there and holds `datatype`; names the topics of that type that there are.
-  void require(const std::string& topic, const std::string& datatype) const;
+  /// Throws BagError unless `topic` is there and is of one of these types; names the topics of them that there are.
+  void require(const std::string& topic, const std::vector<std::string>& datatypes) const;
 
   std::vector<std::shared_ptr<const BagConnection>> connections() const;
 

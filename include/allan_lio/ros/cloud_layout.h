@@ -28,6 +28,8 @@ struct CloudLayout {
   std::size_t row_step = 0, point_step = 0;  ///< [bytes]
   CloudField x, y, z;
   std::optional<CloudField> intensity, time;
+  std::optional<CloudField> tag;         ///< Livox's remark on the point
+  TimeUnit time_unit = TimeUnit::kAuto;  ///< if the message's type says it
 
   std::size_t points() const { return rows * columns; }
 };
@@ -63,6 +65,10 @@ inline double load_number(const std::uint8_t* from, NumberType type) {
       return load<float>(from);
     case NumberType::kFloat64:
       return load<double>(from);
+    case NumberType::kInt64:
+      return static_cast<double>(load<std::int64_t>(from));
+    case NumberType::kUint64:
+      return static_cast<double>(load<std::uint64_t>(from));
   }
   return 0.0;
 }

@@ -63,9 +63,6 @@ Matrix6 base_twist_covariance(const BaseEstimate& estimate);
 nav_msgs::OdometryPtr to_odometry(const BaseEstimate& estimate, const std::string& odom_frame,
                                   const std::string& base_frame);
 
-/// True if all numbers of the message are finite.
-bool is_finite(const nav_msgs::Odometry& message);
-
 /// x, y, z, intensity as float32; points that are not finite are left out.
 sensor_msgs::PointCloud2Ptr to_cloud(const std::vector<WorldPoint>& points, const std::string& frame, TimeNs stamp);
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <sensor_msgs/Imu.h>
-#include <sensor_msgs/PointCloud2.h>
 
 #include <functional>
 #include <string>
@@ -11,6 +10,7 @@
 
 #include "allan_lio/lio/lio_config.h"
 #include "allan_lio/ros/bag_source.h"
+#include "allan_lio/ros/raw_cloud.h"
 
 namespace allan_lio {
 
@@ -18,9 +18,10 @@ namespace allan_lio {
 /// or a topic is missing or of another type.
 BagSource open_lio_bags(const std::vector<std::string>& files, const LioConfig::Topics& topics);
 
-/// Takes what came from a bag of open_lio_bags(). Throws ros::serialization::StreamOverrunException for damaged bytes.
+/// Takes what came from a bag of open_lio_bags(): clouds of any type, for a decoder to judge. Throws
+/// ros::serialization::StreamOverrunException for an IMU's damaged bytes.
 void take_lio_message(const BagMessage& message, const LioConfig::Topics& topics,
                       const std::function<void(const sensor_msgs::Imu&)>& on_imu,
-                      const std::function<void(const sensor_msgs::PointCloud2&)>& on_cloud);
+                      const std::function<void(const RawCloud&)>& on_cloud);
 
 }  // namespace allan_lio

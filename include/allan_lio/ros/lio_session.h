@@ -11,9 +11,11 @@
 #include <vector>
 
 #include "allan_lio/io/run_writer.h"
+#include "allan_lio/lio/clock_check.h"
 #include "allan_lio/lio/odometry.h"
 #include "allan_lio/ros/decode_cloud.h"
 #include "allan_lio/ros/recording_watch.h"
+#include "allan_lio/ros/sensor_remarks.h"
 
 namespace allan_lio {
 
@@ -34,11 +36,21 @@ class LioSession {
   /// settles what it has and starts again.
   void add(const sensor_msgs::Imu& message);
 
-  /// Why the cloud could not be decoded; empty if it could.
+  /// A cloud of any type. Why it could not be decoded; empty if it could.
+  std::string add(const RawCloud& message);
   std::string add(const sensor_msgs::PointCloud2& message);
 
   /// A message that could not even be deserialised.
   void count_undecodable(const std::string& why);
+
+  /// Takes effect with the next scan (Odometry::reconfigure()); goes into the summary's notes.
+  void reconfigure(const LioConfig& config);
+
+  /// Settles what there is and starts again with the data to come, at the origin and with a new map.
+  void reset();
+
+  /// Odometry::set_pose(); goes into the summary's notes.
+  void set_pose(const PoseAnchor& anchor);
 
   /// For the summary.
   void add_note(const std::string& note) { notes_.push_back(note); }
@@ -50,6 +62,7 @@ class LioSession {
   /// Completes the files. Throws std::runtime_error naming the file that could not be written. Does nothing when
   /// called again.
   void finish(const std::string& status);
+  bool finished() const { return finished_; }
 
   /// One line on the point times, empty as long as nothing is known.
   std::string verdict() const { return decoder_.verdict(); }
@@ -57,7 +70,14 @@ class LioSession {
   /// The IMU noise in force at the rate of its first samples (noise_report.h); empty before that.
   const std::vector<std::string>& noise_report() const { return noise_report_; }
 
-  /// Not empty once so many clouds in a row could not be decoded, and none could, that it is of no use to go on.
+  /// What a user should know of the sensors' data, a sentence each: the accelerometer's unit, odd frame_ids.
+  const std::vector<std::string>& remarks() const { return remarks_.sentences(); }
+
+  /// Why no scan can be used at present though both sensors speak: their clocks lie apart. Else empty.
+  std::string clock_trouble() const { return clocks_.trouble(); }
+
+  /// Not empty when no scan was ever used and it is of no use to go on: so many clouds in a row could not be decoded,
+  /// or the clocks lie apart.
   std::string hopeless() const;
 
   /// A sentence on the last time that the estimator started again, empty if it never did.
@@ -69,29 +89,38 @@ class LioSession {
 
   const Odometry& odometry() const { return *odometry_; }
   std::uint64_t undecodable() const { return undecodable_; }
-  double cpu_seconds() const { return cpu_seconds_; }  ///< of decoding, registration and map so far [s]
-  double imu_interval() const;                         ///< mean time between IMU samples [s], 0 if unknown
+  double cpu_seconds() const { return cpu_seconds_; }    ///< of decoding, registration and map so far [s]
+  double scan_seconds() const { return scan_seconds_; }  ///< of that for the last result [s]
+  double imu_interval() const;                           ///< mean time between IMU samples [s], 0 if unknown
 
  private:
+  template <class Cloud>
+  std::string add_cloud(const Cloud& message, TimeNs stamp);
   void take_results();
   void restart(TimeNs stamp);
+  /// What a result says of the run besides the state.
+  void take_note(const LioResult& result);
+  /// "at 1600000012.300: ", the stamp of the last result.
+  std::string moment() const;
 
   std::unique_ptr<Odometry> odometry_;
   CloudDecoder decoder_;
   std::unique_ptr<RunWriter> writer_;
   OnResult on_result_;
   std::vector<std::string> notes_, inputs_, noise_report_;
-  const NoiseSpec noise_spec_;
-  const NoiseScale noise_scale_;
+  SensorRemarks remarks_;
   std::string last_refusal_;
   std::uint64_t decoded_ = 0, undecodable_ = 0, imu_steps_ = 0;
   RecordingWatch watch_;
+  ClockCheck clocks_;
+  std::uint64_t starts_in_place_ = 0;
   double imu_seconds_ = 0.0;        ///< sum of imu_steps_ intervals between samples [s]
   bool new_cloud_to_come_ = false;  ///< clouds from before the restart may still be on their way
   std::string restarted_;
   std::uint64_t restarts_ = 0;
   double pending_seconds_ = 0.0;  ///< CPU time spent since the last result [s]
-  double cpu_seconds_ = 0.0;
+  double cpu_seconds_ = 0.0, scan_seconds_ = 0.0;
+  TimeNs last_result_ = 0;  ///< its stamp
   bool finished_ = false;
 };
 

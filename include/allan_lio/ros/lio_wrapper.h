@@ -8,12 +8,17 @@
 #include <ros/subscriber.h>
 #include <ros/wall_timer.h>
 #include <sensor_msgs/Imu.h>
-#include <sensor_msgs/PointCloud2.h>
+#include <topic_tools/shape_shifter.h>
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "allan_lio/ros/lio_monitor.h"
+#include "allan_lio/ros/lio_services.h"
 #include "allan_lio/ros/lio_session.h"
+#include "allan_lio/ros/live_tuning.h"
 #include "allan_lio/ros/param_source.h"
 #include "allan_lio/ros/publish.h"
 
@@ -28,7 +33,9 @@ class LioWrapper {
 
  private:
   void on_imu(const sensor_msgs::ImuConstPtr& message);
-  void on_cloud(const sensor_msgs::PointCloud2ConstPtr& message);
+  void on_cloud(const topic_tools::ShapeShifter::ConstPtr& message);
+  void on_result(const LioResult& result);
+  void start_again();
   void on_map_timer(const ros::WallTimerEvent&);
   bool on_finish(Finish::Request& request, Finish::Response& response);
   /// Settles everything and completes the files, once.
@@ -39,10 +46,16 @@ class LioWrapper {
   RigidTransform T_base_imu_;
   std::unique_ptr<LioPublisher> publisher_;
   std::unique_ptr<LioSession> session_;
+  std::unique_ptr<LioMonitor> monitor_;
+  std::unique_ptr<LiveTuning> tuning_;
+  std::unique_ptr<LioServices> services_;
+  std::optional<Eigen::Quaterniond> R_world_imu_;  ///< of the last result
   std::uint64_t imu_received_ = 0, scans_received_ = 0;
   std::string told_verdict_;
   bool told_noise_ = false;
+  std::size_t told_remarks_ = 0;
   std::uint64_t told_restarts_ = 0;
+  std::vector<std::uint8_t> cloud_bytes_;
   bool finished_ = false;
   std::string trouble_;  ///< why the results are not complete
 

@@ -19,8 +19,13 @@ ConfigSource flatten_parameters(const XmlRpc::XmlRpcValue& tree, const std::stri
 /// What a node of this package reads from its private parameters.
 struct NodeParameters {
   LioConfig config;
-  std::string out;  ///< ~out: directory of the results, empty for none
+  std::string out;     ///< ~out: directory of the results, empty for none
+  ConfigSource given;  ///< all private parameters as they were read
 };
+
+/// The given private parameters, all but ~in_force and ~diagnostic_period (diagnostic_updater's own). Throws
+/// ConfigError for what has no text.
+ConfigSource given_parameters(const XmlRpc::XmlRpcValue& tree, const std::string& origin);
 
 /// Reads ~config (a name in config/ or a file) and over it all other private parameters, which have the keys of the
 /// YAML; ~out is the node's own. Throws ConfigError.
@@ -29,5 +34,10 @@ NodeParameters read_node_parameters(const ros::NodeHandle& private_handle);
 /// Sets the whole configuration under ~in_force: not over the parameters themselves, or the next start would take
 /// this one's values for the user's.
 void show_in_force(const ros::NodeHandle& private_handle, const LioConfig& config);
+/// One parameter of it.
+void show_in_force(const ros::NodeHandle& private_handle, const std::string& key, const ConfigEntry& entry);
+
+/// An entry as a parameter of the type that the YAML reader would see.
+XmlRpc::XmlRpcValue to_value(const ConfigEntry& entry);
 
 }  // namespace allan_lio

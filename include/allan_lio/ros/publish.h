@@ -11,7 +11,7 @@
 
 namespace allan_lio {
 
-/// ~odometry, ~path, ~points, ~map, ~state and TF of the filter. Nothing with NaN or inf in it is published.
+/// ~odometry, ~path, ~points, ~map, ~markers, ~state and TF of the filter. Nothing with NaN or inf in it is published.
 class LioPublisher {
  public:
   LioPublisher(ros::NodeHandle private_handle, const LioConfig& config, const RigidTransform& T_base_imu);
@@ -21,12 +21,15 @@ class LioPublisher {
   /// Publishes the map if it is wanted and has grown since.
   void publish_map(const LioSession& session);
 
+  /// The estimator starts again: so does the path.
+  void clear_path() { track_.poses.clear(); }
+
  private:
   void extend_path(const LioResult& result);
 
   LioConfig config_;
   RigidTransform T_base_imu_;
-  ros::Publisher odometry_, path_, points_, map_, state_;
+  ros::Publisher odometry_, path_, points_, map_, state_, markers_;
   tf2_ros::TransformBroadcaster transforms_;
   nav_msgs::Path track_;
   TimeNs newest_ = 0;     ///< stamp of the last result

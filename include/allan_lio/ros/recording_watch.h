@@ -20,7 +20,10 @@ class RecordingWatch {
   bool begins_anew(TimeNs stamp) {
     in_a_row_ = stamp < newest_ - kBackInTime ? in_a_row_ + 1 : 0;
     if (in_a_row_ >= kSamplesBackInTime) return true;
-    newest_ = std::max(newest_, stamp);
+    // A stamp far ahead counts once the next one confirms it: one that is damaged would make all others old.
+    const bool leap = newest_ != 0 && stamp > newest_ + kBackInTime && !(leapt_to_ != 0 && stamp >= leapt_to_);
+    leapt_to_ = leap ? stamp : 0;
+    if (!leap) newest_ = std::max(newest_, stamp);
     return false;
   }
 
@@ -29,6 +32,7 @@ class RecordingWatch {
 
  private:
   TimeNs newest_ = 0;
+  TimeNs leapt_to_ = 0;  // 0: the last stamp was no leap ahead
   int in_a_row_ = 0;
 };
 

@@ -17,7 +17,4 @@ StatePtr to_state_message(const LioResult& result, const LioConfig& config, doub
 NavState nav_state_of(const State& message);
 NavMatrix nav_covariance_of(const State& message);
 
-/// True if all numbers of the message are finite.
-bool is_finite(const State& message);
-
 }  // namespace allan_lio

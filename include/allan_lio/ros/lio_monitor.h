@@ -1,0 +1,50 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <allan_lio/Status.h>
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <ros/wall_timer.h>
+
+#include <string>
+
+#include "allan_lio/lio/health.h"
+#include "allan_lio/ros/lio_session.h"
+
+namespace allan_lio {
+
+/// ~status after every scan, and /diagnostics every ~diagnostic_period, which go on when the sensors are silent.
+class LioMonitor {
+ public:
+  /// `session` must outlive this.
+  LioMonitor(ros::NodeHandle handle, ros::NodeHandle private_handle, const LioSession& session);
+
+  void saw_imu() { last_imu_ = ros::WallTime::now(); }
+  /// `refusal`: why the cloud was not decoded, empty if it was.
+  void saw_cloud(const std::string& refusal);
+  void saw_result(const LioResult& result);
+
+  /// The estimator starts again.
+  void clear() { window_.clear(); }
+
+ private:
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& report);
+  /// What is wrong with the input, if anything is.
+  Health judge_input() const;
+  /// Sets what came up since the last call.
+  void count_new_losses(HealthFacts& facts);
+
+  const LioSession& session_;
+  HealthWindow window_;
+  Status last_;  ///< as published
+  std::uint64_t lost_ = 0;
+  std::string refusal_;
+  ros::WallTime begin_ = ros::WallTime::now(), last_imu_, last_cloud_, last_result_;
+  ros::Publisher status_;
+  diagnostic_updater::Updater updater_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace allan_lio

@@ -1,0 +1,266 @@
+#!/usr/bin/python3
+# Copyright 2026 the allan_lio authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a field engineer does to the nodelets while they run: other parameters, services, status, several of them."""
+import math
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import dynamic_reconfigure.client
+import rospy
+import rostest
+from allan_lio.msg import State, Status
+from allan_lio.srv import SaveMap, SetPose
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import Imu, PointCloud2
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
+
+TIME_LIMIT = 60  # [s]
+RATE = 2  # times real time
+GYRO_BIAS = 9  # its first row in State.covariance
+UNDER_WAY = 2  # scans that may have been taken before a parameter that was set just now
+SET_POSE = (40.0, -30.0, 2.0)  # [m]
+SIGMA_SET = 0.3  # [m]
+NEAR = 2.0  # [m] that the simulated robot walks in the second or so after a pose was set
+
+TWO_ROBOTS = """<launch>
+  <node pkg="nodelet" type="nodelet" name="manager" args="manager"/>
+  <group ns="a">
+    <node pkg="nodelet" type="nodelet" name="lidar_odometry" args="load allan_lio/LidarOdometry /manager">
+      <param name="config" value="simulated"/>
+    </node>
+  </group>
+  <group ns="b">
+    <node pkg="nodelet" type="nodelet" name="lidar_odometry" args="load allan_lio/LidarOdometry /manager">
+      <param name="config" value="simulated"/>
+      <param name="frames/odom" value="odom_b"/>
+      <param name="frames/publish_tf" value="false"/>
+      <remap from="/imu/data" to="/b/imu"/>
+      <remap from="/points" to="/b/points"/>
+    </node>
+  </group>
+</launch>
+"""
+
+
+def run(*command):
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
+                          timeout=TIME_LIMIT)
+
+
+def sigma(state, index):
+    return math.sqrt(state.covariance[24 * index])
+
+
+def position(odometry):
+    p = odometry.pose.pose.position
+    return p.x, p.y, p.z
+
+
+class Recorder:
+    """The messages of a topic, in order."""
+
+    def __init__(self, topic, kind):
+        self.messages = []
+        self.subscriber = rospy.Subscriber(topic, kind, self.messages.append, queue_size=1000)
+
+    def wait(self, count, condition=lambda message: True):
+        """Until so many more messages meet the condition; gives the last of them."""
+        seen, begin = 0, len(self.messages)
+        until = time.time() + TIME_LIMIT
+        while time.time() < until:
+            while begin < len(self.messages):
+                message = self.messages[begin]
+                begin += 1
+                seen += bool(condition(message))
+                if seen == count:
+                    return message
+            time.sleep(0.005)
+        raise AssertionError('{} of {} messages in {} s'.format(seen, count, TIME_LIMIT))
+
+
+class LiveNode(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.directory = tempfile.mkdtemp(prefix='allan_lio_live_node_')
+        cls.bag = os.path.join(cls.directory, 'small.bag')
+        made = run('rosrun', 'allan_lio', 'simulate_bag', '--scene', 'rooms', '--imu', 'mti600', '--lidar',
+                   'velodyne16', '--seed', '1', '--duration', '40', '--out', cls.bag)
+        assert made.returncode == 0, made.stdout
+        rospy.init_node('live_node_test')
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.directory, ignore_errors=True)
+
+    def start(self, *command):
+        log = open(os.path.join(self.directory, 'log'), 'w')
+        process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+
+        def end():
+            process.send_signal(signal.SIGINT)
+            process.wait(TIME_LIMIT)
+            log.close()
+
+        self.addCleanup(end)
+        return end
+
+    def launch(self):
+        """bag.launch as it ships, at a rate that leaves time to interfere."""
+        return self.start('roslaunch', '--wait', 'allan_lio', 'bag.launch', 'bag:=' + self.bag,
+                          'rate:=' + str(RATE), 'out:=' + os.path.join(self.directory, 'out'))
+
+    def wait_for_parameter(self, name, value):
+        until = time.time() + TIME_LIMIT
+        while time.time() < until and rospy.get_param(name, None) != value:
+            time.sleep(0.02)
+        self.assertEqual(rospy.get_param(name, None), value)
+
+    def test_parameters_change_while_the_filter_runs_and_bad_ones_are_refused_and_set_back(self):
+        states = Recorder('/lidar_odometry/state', State)
+        status = Recorder('/lidar_odometry/status', Status)
+        self.launch()
+        before = states.wait(30)
+        self.assertEqual(before.k_gb, 1.0)
+        received = len(states.messages)
+        rospy.set_param('/lidar_odometry/imu/k_gb', 25)
+        changed = states.wait(1, lambda m: m.k_gb == 25.0)
+        late = [m.k_gb for m in states.messages[received:]].index(25.0)
+        self.assertLessEqual(late, UNDER_WAY, 'not in force with the next scan')
+        # 25 times the random walk: within a second the bias is less sure than it was.
+        grown = states.wait(15)
+        self.assertGreater(sigma(grown, GYRO_BIAS), 1.5 * sigma(before, GYRO_BIAS))
+        self.assertEqual(changed.k_ab, 1.0)
+        self.assertEqual(rospy.get_param('/lidar_odometry/in_force/imu/k_gb'), 25)
+
+        for bad in (-3.0, 'many', 0):
+            rospy.set_param('/lidar_odometry/imu/k_gb', bad)
+            self.wait_for_parameter('/lidar_odometry/imu/k_gb', 25)
+        rospy.set_param('/lidar_odometry/map/voxel_size', 2.0)
+        rospy.set_param('/lidar_odometry/imu/k_gbb', 2.0)
+        self.wait_for_parameter('/lidar_odometry/map/voxel_size', None)
+        self.wait_for_parameter('/lidar_odometry/imu/k_gbb', None)
+        now = status.wait(2)
+        self.assertEqual((now.k_gb, now.k_g, now.k_r), (25.0, 1.0, 1.0))
+
+    def test_dynamic_reconfigure_shows_the_declaration_and_changes_what_it_may(self):
+        states = Recorder('/lidar_odometry/state', State)
+        self.launch()
+        states.wait(5)
+        client = dynamic_reconfigure.client.Client('/lidar_odometry', timeout=TIME_LIMIT)
+        described = {p['name']: p for p in client.get_parameter_descriptions(timeout=TIME_LIMIT)}
+        self.assertIn('calibrated value', described['imu/k_gb']['description'])
+        self.assertEqual((described['imu/k_gb']['min'], described['imu/k_gb']['default']), (0.0, 1.0))
+        self.assertEqual((described['update/max_iterations']['min'], described['update/max_iterations']['max']), (1, 50))
+        self.assertNotIn('map/voxel_size', described)
+
+        self.assertEqual(client.update_configuration({'imu/k_ab': 3.0, 'lidar/k_r': 2.0})['imu/k_ab'], 3.0)
+        changed = states.wait(1, lambda m: m.k_ab == 3.0)
+        self.assertEqual((changed.k_r, changed.k_gb), (2.0, 1.0))
+        self.assertEqual(rospy.get_param('/lidar_odometry/imu/k_ab'), 3)
+        self.assertEqual(rospy.get_param('/lidar_odometry/in_force/lidar/k_r'), 2)
+        self.assertEqual(client.update_configuration({'imu/k_ab': -1.0})['imu/k_ab'], 3.0)
+        self.assertEqual(states.wait(3).k_ab, 3.0)
+        client.close()
+
+    def test_services_save_the_map_set_the_pose_and_start_again(self):
+        odometry = Recorder('/lidar_odometry/odometry', Odometry)
+        self.launch()
+        odometry.wait(30)
+        save = rospy.ServiceProxy('/lidar_odometry/save_map', SaveMap)
+        saved = save('')
+        self.assertTrue(saved.success, saved.message)
+        with open(os.path.join(self.directory, 'out', 'map.pcd'), 'rb') as file:
+            header = file.read(400)
+        self.assertIn(b'FIELDS x y z', header)
+        self.assertIn(b'POINTS ' + saved.message.split()[-2].encode(), header)
+        refused = save('/nowhere/map.pcd')
+        self.assertFalse(refused.success)
+        self.assertIn('/nowhere/map.pcd', refused.message)
+
+        request = PoseWithCovarianceStamped()
+        request.header.frame_id = 'odom'
+        request.pose.pose.position.x, request.pose.pose.position.y, request.pose.pose.position.z = SET_POSE
+        request.pose.pose.orientation.w = 1.0
+        request.pose.covariance[0] = request.pose.covariance[7] = SIGMA_SET ** 2
+        set_pose = rospy.ServiceProxy('/lidar_odometry/set_pose', SetPose)
+        self.assertTrue(set_pose(request).success)
+        moved = odometry.wait(1 + UNDER_WAY)
+        self.assertLess(math.dist(position(moved), SET_POSE), NEAR)
+        self.assertAlmostEqual(math.sqrt(moved.pose.covariance[0]), SIGMA_SET, delta=0.1 * SIGMA_SET)
+        request.header.frame_id = 'map'
+        self.assertFalse(set_pose(request).success)
+
+        reset = rospy.ServiceProxy('/lidar_odometry/reset', Trigger)
+        self.assertTrue(reset().success)
+        again = odometry.wait(1 + UNDER_WAY)
+        self.assertLess(math.dist(position(again), (0, 0, 0)), NEAR)
+        self.assertLess(math.sqrt(again.pose.covariance[0]), SIGMA_SET)
+
+    def test_status_diagnostics_and_markers_say_how_it_goes(self):
+        status = Recorder('/lidar_odometry/status', Status)
+        markers = Recorder('/lidar_odometry/markers', MarkerArray)
+        diagnostics = Recorder('/diagnostics', DiagnosticArray)
+        end = self.launch()
+        last = status.wait(60)
+        self.assertEqual(last.level, Status.OK, last.message)
+        self.assertIn('follows', last.message)
+        self.assertTrue(50 <= last.nis_scans <= 100, last.nis_scans)
+        self.assertLess(last.nis_low, 1.0)
+        self.assertGreater(last.nis_high, 1.0)
+        self.assertGreater(last.nis_mean, 0.0)
+        self.assertEqual((last.weak_axes, len(last.probability), list(last.dropped)), (0, 6, []))
+        self.assertTrue(0.0 < last.scan_time_mean < 0.1 and 0.0 < last.map_mb < last.map_max_mb)
+        # By the clock of the bag, which is simulated time for this launch alone.
+        self.assertTrue(-0.1 < last.delay < 0.5, last.delay)
+        self.assertFalse(rospy.get_param('/use_sim_time', False))
+        self.assertGreater(last.gyro_bias_sigma.x, 0.0)
+        self.assertEqual(len(markers.wait(1).markers), 7)
+        report = diagnostics.wait(1, lambda m: any('lidar_odometry' in s.name for s in m.status)).status[0]
+        self.assertEqual((report.name, ord(report.level) if isinstance(report.level, bytes) else report.level),
+                         ('lidar_odometry: odometry', 0), report.message)
+        self.assertIn('CPU per scan [ms]', [v.key for v in report.values])
+        end()
+
+    def test_two_robots_share_a_manager_and_nothing_else_and_a_bag_played_again_starts_them_again(self):
+        file = os.path.join(self.directory, 'two.launch')
+        with open(file, 'w') as launch:
+            launch.write(TWO_ROBOTS)
+        self.start('roslaunch', '--wait', file)
+        a, b = Recorder('/a/lidar_odometry/odometry', Odometry), Recorder('/b/lidar_odometry/odometry', Odometry)
+        states_a, states_b = Recorder('/a/lidar_odometry/state', State), Recorder('/b/lidar_odometry/state', State)
+        relays = [rospy.Subscriber(source, kind, rospy.Publisher(sink, kind, queue_size=4000).publish, queue_size=4000)
+                  for source, sink, kind in (('/imu/data', '/b/imu', Imu), ('/points', '/b/points', PointCloud2))]
+        rospy.wait_for_service('/b/lidar_odometry/finish', TIME_LIMIT)
+        play = ('rosrun', 'allan_lio', 'play_bag', self.bag, '--rate', str(RATE), '--filter', '/a/lidar_odometry')
+        end = self.start(*play)
+        b.wait(20)
+        rospy.set_param('/b/lidar_odometry/imu/k_gb', 9)
+        states_b.wait(1, lambda m: m.k_gb == 9.0)
+        self.assertEqual(states_a.wait(2).k_gb, 1.0)
+        self.assertEqual({m.header.frame_id for m in a.messages}, {'odom'})
+        self.assertEqual({m.header.frame_id for m in b.messages}, {'odom_b'})
+        poses = {m.header.stamp: position(m) for m in a.messages[:15]}
+        common = [m for m in b.messages[:15] if m.header.stamp in poses]
+        self.assertGreater(len(common), 5)
+        for message in common:
+            self.assertEqual(position(message), poses[message.header.stamp])
+        end()
+        first_pass = a.messages[-1].header.stamp
+        self.start(*play)
+        a.wait(3, lambda m: m.header.stamp < first_pass)
+        self.assertLess(math.dist(position(a.messages[-1]), (0, 0, 0)), NEAR)
+        for relay in relays:
+            relay.unregister()
+
+
+if __name__ == '__main__':
+    rostest.rosrun('allan_lio', 'live_node', LiveNode)

@@ -1,0 +1,77 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/ros/cloud_wire.h"
+
+#include <gtest/gtest.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <sys/resource.h>
+
+#include <cstring>
+#include <vector>
+
+#include "allan_lio/ros/decode_cloud.h"
+
+namespace allan_lio {
+namespace {
+
+// Where the counts of serialised() stand: after seq and stamp; height and width; and so on.
+constexpr std::size_t kFrameCount = 12, kFieldCount = kFrameCount + 4 + 5 + 8, kNameCount = kFieldCount + 4,
+                      kDataCount = kNameCount + 3 * (4 + 1 + 9) + 1 + 8;
+
+std::vector<std::uint8_t> serialised() {
+  sensor_msgs::PointCloud2 cloud;
+  cloud.header.frame_id = "lidar";
+  cloud.height = 1;
+  cloud.width = 3;
+  cloud.point_step = 12;
+  cloud.row_step = 36;
+  cloud.data.resize(36);
+  for (const char* name : {"x", "y", "z"}) {
+    sensor_msgs::PointField field;
+    field.name = name;
+    field.datatype = sensor_msgs::PointField::FLOAT32;
+    cloud.fields.push_back(field);
+  }
+  std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(cloud));
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(stream, cloud);
+  return bytes;
+}
+
+double peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+TEST(CloudWire, AWholeCloudIsOne) {
+  const std::vector<std::uint8_t> bytes = serialised();
+  EXPECT_TRUE(holds_point_cloud(bytes.data(), bytes.size()));
+}
+
+TEST(CloudWire, ACloudThatEndsAnywhereBeforeItsEndIsNone) {
+  const std::vector<std::uint8_t> bytes = serialised();
+  for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(holds_point_cloud(bytes.data(), size)) << size;
+}
+
+TEST(CloudWire, CountsOfThingsThatAreNotThereAreRefusedAndTakeNoMemory) {
+  const double before = peak_megabytes();
+  for (const std::size_t at : {kFrameCount, kFieldCount, kNameCount, kDataCount}) {
+    for (const std::uint32_t lie : {0xFFFFFFFFU, 0x7FFFFFFFU, 1000000U}) {
+      std::vector<std::uint8_t> bytes = serialised();
+      std::memcpy(&bytes[at], &lie, sizeof lie);
+      EXPECT_FALSE(holds_point_cloud(bytes.data(), bytes.size())) << at << ": " << lie;
+      LioConfig::Lidar lidar{};
+      CloudDecoder decoder(lidar);
+      const DecodedCloud decoded =
+          decoder.decode(RawCloud{ros::message_traits::datatype<sensor_msgs::PointCloud2>(),
+                                  ros::message_traits::md5sum<sensor_msgs::PointCloud2>(), bytes.data(), bytes.size()});
+      EXPECT_FALSE(decoded.scan) << at << ": " << lie;
+      EXPECT_NE(decoded.error.find("end before what its lengths announce"), std::string::npos) << decoded.error;
+    }
+  }
+  EXPECT_LT(peak_megabytes() - before, 50.0);
+}
+
+}  // namespace
+}  // namespace allan_lio

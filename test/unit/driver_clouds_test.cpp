@@ -1,0 +1,209 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "allan_lio/ros/decode_cloud.h"
+#include "changed_bag.h"
+#include "cloud_fixture.h"
+
+namespace allan_lio {
+namespace {
+
+using sensor_msgs::PointField;
+
+constexpr int kPoints = 500;
+constexpr double kSweep = 0.1;                   // [s]
+constexpr TimeNs kStamp = 1600000000'250000000;  // [ns]
+constexpr double kOtherClock = 7000.0;           // [s]
+constexpr std::uint8_t kTypes[] = {PointField::FLOAT32, PointField::FLOAT64, PointField::UINT32, kUint64Code};
+
+struct Unit {
+  const char* name;
+  double per_second;
+};
+constexpr Unit kUnits[] = {{"s", 1.0}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}};
+
+/// What the field counts from, where the stamp stands in the sweep, and what the configuration says of it.
+struct Anchor {
+  const char* name;
+  double zero;   ///< the field's value at the sweep's begin [s]
+  double begin;  ///< of the sweep less the stamp [s]
+  PointTime told;
+};
+const Anchor kAnchors[] = {
+    {"since the start, stamped there", 0.0, 0.0, PointTime::kAuto},
+    {"since the start, stamped at the end", 0.0, -kSweep, PointTime::kEnd},
+    {"before the end, stamped there", -kSweep, -kSweep, PointTime::kAuto},
+    {"of the clock, stamped at the start", 1e-9 * kStamp, 0.0, PointTime::kAuto},
+    {"of the clock, stamped at the end", 1e-9 * kStamp - kSweep, -kSweep, PointTime::kAuto},
+    {"of another clock, stamped at the start", kOtherClock, 0.0, PointTime::kStart},
+    {"of another clock, stamped at the end", kOtherClock, -kSweep, PointTime::kEnd},
+};
+
+LioConfig::Lidar options(PointTime told = PointTime::kAuto) {
+  LioConfig::Lidar lidar{};
+  lidar.deskew = true;
+  lidar.point_time = told;
+  lidar.time_unit = TimeUnit::kAuto;
+  lidar.drop_tagged = true;
+  lidar.min_range = 0.5;
+  lidar.max_range = 100.0;
+  return lidar;
+}
+
+double fraction(int point) { return static_cast<double>(point) / (kPoints - 1); }
+
+std::vector<FixturePoint> points(double zero, double per_second) {
+  std::vector<FixturePoint> all;
+  for (int i = 0; i < kPoints; ++i)
+    all.push_back({2.0F + 0.01F * static_cast<float>(i), -1.0F, 0.25F, static_cast<float>(i % 200),
+                   (zero + kSweep * fraction(i)) * per_second});
+  return all;
+}
+
+bool is_integer(std::uint8_t type) { return type == PointField::UINT32 || type == kUint64Code; }
+
+/// The step in which a field of this type counts times as large as these [s].
+double step(std::uint8_t type, const Unit& unit, double largest) {
+  const double fine =
+      type == PointField::FLOAT32 ? std::numeric_limits<float>::epsilon() : std::numeric_limits<double>::epsilon();
+  // Integers too come to the fixture, and from the reader, as doubles.
+  return std::max(is_integer(type) ? 1.0 / unit.per_second : 0.0, largest * fine);
+}
+
+/// Whether the type holds these times at all, and finely enough for a sweep.
+bool holds(std::uint8_t type, const Unit& unit, const Anchor& anchor) {
+  if (is_integer(type) && anchor.zero < 0.0) return false;
+  const double largest = std::abs(anchor.zero) + kSweep;
+  // Where the zero is unknown anyway, a count that wraps does as well.
+  if (anchor.told == PointTime::kAuto && type == PointField::UINT32 && largest * unit.per_second > 4294967295.0)
+    return false;
+  return step(type, unit, largest) < 0.01 * kSweep + 1e-12;
+}
+
+using Case = std::tuple<FixtureLayout, std::uint8_t>;
+class DriverClouds : public testing::TestWithParam<Case> {};
+
+TEST_P(DriverClouds, AreReadInEveryUnitAndAnchorThatTheirTypeHoldsAndRefusedOtherwise) {
+  const auto& [layout, type] = GetParam();
+  int read = 0, refused = 0;
+  for (const Unit& unit : kUnits) {
+    for (const Anchor& anchor : kAnchors) {
+      SCOPED_TRACE(std::string(unit.name) + " " + anchor.name);
+      CloudDecoder decoder(options(anchor.told));
+      const DecodedCloud decoded =
+          decoder.decode(make_cloud(layout, type, kStamp, points(anchor.zero, unit.per_second)));
+      if (!holds(type, unit, anchor)) {
+        ++refused;
+        EXPECT_FALSE(decoded.scan);
+        EXPECT_NE(decoded.error.find("'" + layout.time_field + "'"), std::string::npos) << decoded.error;
+        EXPECT_NE(decoded.error.find("; "), std::string::npos) << "no way out is named: " << decoded.error;
+        continue;
+      }
+      ++read;
+      ASSERT_TRUE(decoded.scan) << decoded.error;
+      ASSERT_EQ(decoded.scan->points.size(), std::size_t{kPoints});
+      const double tolerance = 1.0 + 1e9 * step(type, unit, std::abs(anchor.zero) + kSweep);  // [ns]
+      for (int i = 0; i < kPoints; ++i)
+        ASSERT_NEAR(decoded.scan->points[static_cast<std::size_t>(i)].offset_ns,
+                    1e9 * (anchor.begin + kSweep * fraction(i)), tolerance);
+      EXPECT_EQ(decoded.scan->stamp, kStamp);
+    }
+  }
+  EXPECT_GT(read, 4);
+  EXPECT_EQ(read + refused, 28);
+}
+
+INSTANTIATE_TEST_SUITE_P(Layouts, DriverClouds,
+                         testing::Combine(testing::ValuesIn(driver_layouts()), testing::ValuesIn(kTypes)),
+                         [](const testing::TestParamInfo<Case>& info) {
+                           return std::get<0>(info.param).driver + "_type" + std::to_string(std::get<1>(info.param));
+                         });
+
+TEST(DriverCloud, LivoxNanosecondsOfTheClockAreTold) {
+  CloudDecoder decoder(options());
+  const DecodedCloud decoded = decoder.decode(make_cloud(layout_of("livox"), 0, kStamp, points(1e-9 * kStamp, 1e9)));
+  ASSERT_TRUE(decoded.scan) << decoded.error;
+  EXPECT_NE(decoder.verdict().find("float64 in ns of the clock"), std::string::npos) << decoder.verdict();
+}
+
+TEST(DriverCloud, TimesTooCoarseForASweepAreRefusedEvenWhenTheyDiffer) {
+  constexpr TimeNs kJustBefore = 1600000000'950000000;  // the second changes within the sweep
+  const std::vector<FixturePoint> seconds = points(1e-9 * kJustBefore, 1.0);
+  const auto refusal = [&](std::uint8_t type) {
+    return CloudDecoder(options()).decode(make_cloud(layout_of("hesai"), type, kJustBefore, seconds)).error;
+  };
+  EXPECT_NE(refusal(kUint64Code).find("uint64 counts in steps of 1 "), std::string::npos) << refusal(kUint64Code);
+  EXPECT_NE(refusal(PointField::FLOAT32).find("float32 counts in steps of 190"), std::string::npos)
+      << refusal(PointField::FLOAT32);
+}
+
+TEST(DriverCloud, OneAbsurdTimeDoesNotStretchTheScan) {
+  for (const double absurd : {1e9, 1.5, 0.7, -0.4, std::nan("")}) {
+    for (const bool first_scan : {true, false}) {
+      SCOPED_TRACE(std::to_string(absurd) + (first_scan ? " in the first scan" : " in a later scan"));
+      std::vector<FixturePoint> wild = points(0.0, 1.0);
+      wild[100].raw_time = absurd;
+      CloudDecoder decoder(options());
+      if (!first_scan) {
+        ASSERT_TRUE(decoder.decode(make_cloud(layout_of("velodyne"), 0, kStamp, points(0, 1))).scan);
+      }
+      const DecodedCloud decoded = decoder.decode(make_cloud(layout_of("velodyne"), 0, kStamp, wild));
+      ASSERT_TRUE(decoded.scan) << decoded.error;
+      EXPECT_EQ(decoded.scan->points.size(), std::size_t{kPoints - 1});
+      EXPECT_EQ(decoded.scan->dropped_invalid, 1U);
+      EXPECT_EQ(decoded.scan->first_offset_ns, 0);
+      EXPECT_NEAR(decoded.scan->last_offset_ns, 1e9 * kSweep, 10);
+      ASSERT_EQ(decoder.remarks().size(), 1U);
+      EXPECT_EQ(decoder.remarks()[0].find("1 points were dropped because their time"), 0U) << decoder.remarks()[0];
+    }
+  }
+}
+
+TEST(DriverCloud, AScanWithManyAbsurdTimesIsRefused) {
+  CloudDecoder decoder(options());
+  ASSERT_TRUE(decoder.decode(make_cloud(layout_of("velodyne"), 0, kStamp, points(0, 1))).scan);
+  std::vector<FixturePoint> wild = points(0.0, 1.0);
+  for (std::size_t i = 0; i < wild.size(); i += 5) wild[i].raw_time = 1e9;
+  const DecodedCloud decoded = decoder.decode(make_cloud(layout_of("velodyne"), 0, kStamp, wild));
+  EXPECT_FALSE(decoded.scan);
+  EXPECT_NE(decoded.error.find("'time': too many"), std::string::npos) << decoded.error;
+  EXPECT_TRUE(decoder.decode(make_cloud(layout_of("velodyne"), 0, kStamp, points(0, 1))).scan)
+      << "the next one is good";
+}
+
+TEST(DriverCloud, AnAbsurdFirstPointDoesNotMoveASweepThatIsPutToItsStamp) {
+  std::vector<FixturePoint> wild = points(kOtherClock, 1.0);
+  wild[0].raw_time = 1e12;
+  CloudDecoder decoder(options(PointTime::kStart));
+  const DecodedCloud decoded = decoder.decode(make_cloud(layout_of("hesai"), 0, kStamp, wild));
+  ASSERT_TRUE(decoded.scan) << decoded.error;
+  EXPECT_EQ(decoded.scan->first_offset_ns, 0);
+  EXPECT_EQ(decoded.scan->points.size(), std::size_t{kPoints - 1});
+}
+
+TEST(DriverCloud, LivoxTagsOfNoiseDropThePointUnlessTheyAreToBeKept) {
+  std::vector<FixturePoint> tagged = points(1e-9 * kStamp, 1e9);
+  const std::uint8_t tags[] = {0x00, 0x10, 0x20, 0x30, 0x0F};
+  for (std::size_t i = 0; i < std::size(tags); ++i) tagged[i].tag = tags[i];
+  LioConfig::Lidar lidar = options();
+  CloudDecoder dropping(lidar);
+  const sensor_msgs::PointCloud2 cloud = make_cloud(layout_of("livox"), 0, kStamp, tagged);
+  const DecodedCloud decoded = dropping.decode(cloud);
+  ASSERT_TRUE(decoded.scan) << decoded.error;
+  EXPECT_EQ(decoded.scan->points.size(), std::size_t{kPoints - 2});
+  EXPECT_EQ(decoded.scan->points[1].x, tagged[1].x);
+  EXPECT_EQ(decoded.scan->points[2].x, tagged[4].x);
+  ASSERT_EQ(dropping.remarks().size(), 1U);
+  EXPECT_EQ(dropping.remarks()[0].find("2 points"), 0U) << dropping.remarks()[0];
+
+  lidar.drop_tagged = false;
+  EXPECT_EQ(CloudDecoder(lidar).decode(cloud).scan->points.size(), std::size_t{kPoints});
+}
+
+}  // namespace
+}  // namespace allan_lio
