@@ -201,7 +201,7 @@ def figures(error, summary):
     for block, nees in consistency["nees_per_dof"].items():
         row["nees_" + block] = nees["mean"] if nees else None
     longest = max(consistency["blind"], key=lambda b: b["seconds"], default=None)
-    for key in ("seconds", "error", "sigma", "bound"):
+    for key in ("seconds", "error", "sigma", "bound", "known_tilt"):
         row["blind_" + key] = longest[key] if longest else None
     return row
 

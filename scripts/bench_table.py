@@ -55,7 +55,7 @@ class Line:
                "ate_max": max(self.ate, default=None), "ate_min": min(self.ate, default=None),
                "ate_average": mean(self.ate)}
         for key in ("max", "drift_m", "drift_percent", "rpe_10m_percent", "cpu_ms", "map_mb", "blind_seconds",
-                    "blind_sigma", "blind_bound"):
+                    "blind_sigma", "blind_bound", "blind_known_tilt"):
             row[key] = mean(values(self.rows, key))
         row["blind_error_rms"] = rms(values(self.rows, "blind_error"))
         consistency = self.consistency or {"three_sigma_share": None, "nees_per_dof": {}}
@@ -83,7 +83,8 @@ def detail_table(lines, bound):
     heads = ["sequence", "setting", "runs", "ATE average [m]", "end drift [%]", "along 3σ holds [%]"]
     heads += ["NEES {}".format(block.replace("_", " ")) for block in JUDGED] + ["CPU/scan [ms]", "map [MB]"]
     if bound:
-        heads += ["blind [s]", "error gained, rms [m]", "filter's σ [m]", "IMU alone allows [m]"]
+        heads += ["blind [s]", "error gained, rms [m]", "filter's σ [m]", "posterior bound [m]",
+                  "IMU alone, tilt known [m]"]
     out = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
     for line in lines:
         f = line.figures()
@@ -95,7 +96,7 @@ def detail_table(lines, bound):
         cells += [judged_nees(nees.get(block)) for block in JUDGED] + [text(f["cpu_ms"], 2), text(f["map_mb"], 1)]
         if bound:
             cells += [text(f["blind_seconds"], 1), text(f["blind_error_rms"], 3), text(f["blind_sigma"], 3),
-                      text(f["blind_bound"], 3)]
+                      text(f["blind_bound"], 3), text(f["blind_known_tilt"], 3)]
         out.append("| " + " | ".join(cells) + " |")
     return out
 
@@ -103,9 +104,11 @@ def detail_table(lines, bound):
 LEGEND = ("NEES per degree of freedom, averaged over seeds and time: 1 is honest; ▲ above the 95 % χ² band of that many runs "
           "(too sure), ▼ below it (too cautious). The errors behind it are taken with the first poses coinciding; the RMSE "
           "after the best rotation and translation.")
-BOUND_LEGEND = ("Blind: the run's longest stretch without LiDAR support, up to where the filter is least sure. What the IMU "
-                "alone allows: dead reckoning with known tilt from the bias and velocity that a steady filter holds at the "
-                "entry, 1 σ.")
+BOUND_LEGEND = ("Blind: the run's longest stretch without LiDAR support, up to where the filter is least sure. Posterior bound: "
+                "1 σ of what an ideal filter gains there along the true path if the scans tell nothing at all of the axis (axis "
+                "weakest: of both horizontal positions and the heading), biases and tilt known as its own measurements leave "
+                "them; what little the scans tell can bring a filter below it. IMU alone, tilt known: dead reckoning from the "
+                "bias and velocity that a steady filter holds at the entry, 1 σ.")
 
 
 def draw(lines, path):

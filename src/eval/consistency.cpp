@@ -21,7 +21,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRelativeDistance = 10.0;  // [m]
-constexpr double kMoving = 0.1;             // speed from which a direction of motion is one [m/s]
 
 /// The truth at a scan, in the estimate's world.
 struct TruthSample {
@@ -56,20 +55,6 @@ std::vector<TruthState> differentiated(const Trajectory& truth, double max_gap) 
     states.push_back(state);
   }
   return states;
-}
-
-/// Horizontal direction in which the positions extend most.
-Eigen::Vector3d main_axis(const std::vector<PoseError>& poses) {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const PoseError& pose : poses) mean += pose.reference.translation.head<2>() / static_cast<double>(poses.size());
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  for (const PoseError& pose : poses) {
-    const Eigen::Vector2d d = pose.reference.translation.head<2>() - mean;
-    spread += d * d.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(spread);
-  const Eigen::Vector2d axis = solver.eigenvectors().col(1);
-  return {axis.x(), axis.y(), 0.0};
 }
 
 Eigen::Matrix<double, 3, 2> perpendicular(const Eigen::Vector3d& axis) {
@@ -119,12 +104,18 @@ class SeriesMaker {
     }
   }
 
+  Trajectory references() const {
+    Trajectory poses;
+    for (const PoseError& pose : matched_) poses.push_back({pose.stamp, pose.reference});
+    return poses;
+  }
+
   void align(const std::vector<TruthState>& states, bool biases_known) {
     // Takes the truth's world to the estimate's.
     const RigidTransform T = rows_.front().nav.T_world_imu * matched_.front().reference.inverse();
     turn_ = T.rotation;
     const AxisChoice& axis = options_.axis;
-    axis_ = turn_ * (axis.kind == AxisKind::kGiven ? axis.given.normalized() : main_axis(matched_));
+    axis_ = turn_ * (axis.kind == AxisKind::kGiven ? axis.given.normalized() : main_axis(references()));
     double path = 0.0;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       TruthSample sample;
@@ -151,7 +142,7 @@ class SeriesMaker {
 
   /// In the estimate's world.
   Eigen::Vector3d axis_at(std::size_t i) {
-    if (options_.axis.kind == AxisKind::kMotion && truth_[i].velocity.norm() > kMoving)
+    if (options_.axis.kind == AxisKind::kMotion && truth_[i].velocity.norm() > kMovingSpeed)
       axis_ = truth_[i].velocity.normalized();
     if (options_.axis.kind == AxisKind::kWeakest) {
       const Eigen::Vector3d weakest =
@@ -248,6 +239,18 @@ const char* nees_block_name(NeesBlock block) {
       "tilt",   "velocity",          "gyro_bias",         "accel_bias", "along",
       "across", "relative_position", "relative_rotation", "innovation"};
   return kNames[static_cast<std::size_t>(block)];
+}
+
+Eigen::Vector3d main_axis(const Trajectory& poses) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const StampedPose& pose : poses) mean += pose.pose.translation.head<2>() / static_cast<double>(poses.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const StampedPose& pose : poses) {
+    const Eigen::Vector2d d = pose.pose.translation.head<2>() - mean;
+    spread += d * d.transpose();
+  }
+  const Eigen::Vector2d axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(1);
+  return {axis.x(), axis.y(), 0.0};
 }
 
 AxisChoice parse_axis(const std::string& text) {

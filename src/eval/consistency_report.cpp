@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <locale>
+#include <optional>
 #include <sstream>
 
 namespace allan_lio {
@@ -38,9 +39,26 @@ std::string padded(const std::string& text, std::size_t width) {
   return text + std::string(std::max(width, text.size() + 1) - text.size(), ' ');
 }
 
-double bound_of(const BlindStretch& stretch, const std::optional<BoundOptions>& bound) {
-  if (!bound) return kNaN;
-  return portal_to_portal_sigma(bound->noise, bound->position_sigma, bound->interval, stretch.seconds);
+/// "" if it was not asked for.
+std::string bound_text(const std::optional<StretchBound>& bound) {
+  if (!bound) return "";
+  std::string text = ", what an ideal filter could know ";
+  text += std::isfinite(bound->ideal) ? fixed(bound->ideal, 3) + " m" : "not told: the truth has a gap or is too short";
+  if (std::isfinite(bound->known_tilt)) text += " (with the tilt known " + fixed(bound->known_tilt, 3) + " m)";
+  return text;
+}
+
+std::string stretch_text(const BlindStretch& stretch) {
+  return "without support      " + fixed(stretch.seconds, 1) + " s: error gained along the axis " +
+         fixed(stretch.error, 3) + " m, the filter's sigma of it " + fixed(stretch.sigma, 3) + " m" +
+         bound_text(stretch.bound) + "\n";
+}
+
+std::string stretch_json(const BlindStretch& stretch) {
+  const StretchBound bound = stretch.bound.value_or(StretchBound{kNaN, kNaN});
+  return "{\"seconds\": " + json(stretch.seconds) + ", \"error\": " + json(stretch.error) +
+         ", \"sigma\": " + json(stretch.sigma) + ", \"bound\": " + json(bound.ideal) +
+         ", \"known_tilt\": " + json(bound.known_tilt) + "}";
 }
 
 std::string json_list(const std::array<double, 6>& values) {
@@ -55,7 +73,7 @@ std::string verdict(const NeesSummary& nees) {
 
 }  // namespace
 
-std::string consistency_table(const ConsistencySummary& summary, const std::optional<BoundOptions>& bound) {
+std::string consistency_table(const ConsistencySummary& summary) {
   std::string text = "consistency          " + std::to_string(summary.runs) +
                      (summary.runs == 1 ? " run, " : " runs, ") + std::to_string(summary.times) +
                      " scans; first poses coincide (6 dof)\n";
@@ -71,12 +89,7 @@ std::string consistency_table(const ConsistencySummary& summary, const std::opti
   }
   text +=
       "along-axis 3 sigma   holds the error in " + fixed(100.0 * summary.three_sigma_share, 1) + " % of the scans\n";
-  for (const BlindStretch& stretch : summary.blind) {
-    text += "without support      " + fixed(stretch.seconds, 1) + " s: error gained along the axis " +
-            fixed(stretch.error, 3) + " m, the filter's sigma of it " + fixed(stretch.sigma, 3) + " m";
-    if (bound) text += ", what the IMU alone allows " + fixed(bound_of(stretch, bound), 3) + " m";
-    text += "\n";
-  }
+  for (const BlindStretch& stretch : summary.blind) text += stretch_text(stretch);
   const Whiteness& w = summary.whiteness;
   if (w.samples > 0) {
     text += "innovation           correlation from scan to scan (white within +-" + fixed(w.band, 3) + "):";
@@ -88,7 +101,7 @@ std::string consistency_table(const ConsistencySummary& summary, const std::opti
   return text;
 }
 
-std::string consistency_json(const ConsistencySummary& summary, const std::optional<BoundOptions>& bound) {
+std::string consistency_json(const ConsistencySummary& summary) {
   std::string text =
       "{\"runs\": " + std::to_string(summary.runs) + ", \"times\": " + std::to_string(summary.times) +
       ", \"alignment\": \"first pose, 6 dof\", \"three_sigma_share\": " + json(summary.three_sigma_share) +
@@ -104,12 +117,7 @@ std::string consistency_json(const ConsistencySummary& summary, const std::optio
             ", \"inside\": " + json(nees.inside) + ", \"samples\": " + std::to_string(nees.samples) + "}";
   }
   text += "}, \"blind\": [";
-  for (std::size_t i = 0; i < summary.blind.size(); ++i) {
-    const BlindStretch& stretch = summary.blind[i];
-    text += std::string(i > 0 ? ", " : "") + "{\"seconds\": " + json(stretch.seconds) +
-            ", \"error\": " + json(stretch.error) + ", \"sigma\": " + json(stretch.sigma) +
-            ", \"bound\": " + json(bound_of(stretch, bound)) + "}";
-  }
+  for (std::size_t i = 0; i < summary.blind.size(); ++i) text += (i > 0 ? ", " : "") + stretch_json(summary.blind[i]);
   const Whiteness& w = summary.whiteness;
   text += "], \"whiteness\": ";
   if (w.samples == 0) return text + "null}";

@@ -110,7 +110,8 @@ std::vector<BlindStretch> blind_stretches(const ConsistencySeries& run) {
     const double seconds = seconds_between(first->stamp, peak->stamp);
     if (seconds < kShortestBlind) continue;
     const double variance = peak->sigma_along * peak->sigma_along - first->sigma_along * first->sigma_along;
-    found.push_back({first->stamp, peak->stamp, seconds, peak->along - first->along, std::sqrt(variance)});
+    found.push_back(
+        {first->stamp, peak->stamp, seconds, peak->along - first->along, std::sqrt(variance), std::nullopt});
   }
   return found;
 }

@@ -8,13 +8,13 @@
 #include <limits>
 #include <locale>
 #include <map>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "allan_lio/eval/consistency_report.h"
+#include "allan_lio/eval/posterior_bound.h"
 #include "allan_lio/eval/trajectory_error.h"
 #include "allan_lio/io/config_source.h"
 #include "allan_lio/io/states_csv.h"
@@ -116,16 +116,14 @@ void write_errors(const std::string& path, const TrajectoryError& e) {
   if (!out) throw std::runtime_error(path + ": cannot be written");
 }
 
-/// `imu`: a name in config/imu or a file. The bound is for the IMU's x axis, which points along the way.
-std::optional<allan_lio::BoundOptions> load_bound(const Options& options) {
-  if (options.bound_imu.empty()) return std::nullopt;
+/// Of the IMU asked for: a name in config/imu or a file.
+allan_lio::BoundOptions load_bound(const Options& options) {
   std::vector<std::string> dirs;
   for (const std::string& dir : allan_lio::config_search_dirs()) dirs.insert(dirs.end(), {dir + "/imu", dir});
   const auto config = allan_lio::read_config(allan_lio::load_yaml(options.bound_imu, dirs));
-  const allan_lio::ImuNoise noise = allan_lio::make_imu_noise(config.imu.spec, {}, allan_lio::BiasModel::kRandomWalk);
-  allan_lio::BoundOptions bound;
-  bound.noise = {noise.accel_psd.x(), noise.accel_bias_psd.x()};
+  allan_lio::BoundOptions bound = allan_lio::bound_options(config.imu.spec);
   bound.position_sigma = options.bound_position_sigma;
+  bound.max_gap = options.max_gap;
   return bound;
 }
 
@@ -140,12 +138,13 @@ void judge_trajectory(const Options& o) {
   if (!o.states.empty()) {
     std::vector<allan_lio::TruthState> truth;
     if (!o.truth_biases.empty()) truth = allan_lio::read_truth_csv(o.truth_biases);
-    const allan_lio::ConsistencySeries series = allan_lio::consistency_series(
-        reference, truth, allan_lio::read_states_csv(o.states), {allan_lio::parse_axis(o.axis), o.max_gap});
+    const allan_lio::AxisChoice axis = allan_lio::parse_axis(o.axis);
+    const allan_lio::ConsistencySeries series =
+        allan_lio::consistency_series(reference, truth, allan_lio::read_states_csv(o.states), {axis, o.max_gap});
     if (!o.series.empty()) allan_lio::write_consistency_csv(o.series, series);
-    const allan_lio::ConsistencySummary summary = allan_lio::summarize_consistency({series});
-    const auto bound = load_bound(o);
-    consistency = o.json ? allan_lio::consistency_json(summary, bound) : allan_lio::consistency_table(summary, bound);
+    allan_lio::ConsistencySummary summary = allan_lio::summarize_consistency({series});
+    if (!o.bound_imu.empty()) allan_lio::add_bounds(reference, axis, load_bound(o), summary);
+    consistency = o.json ? allan_lio::consistency_json(summary) : allan_lio::consistency_table(summary);
   }
   if (o.json) return print_json(o.align, result, consistency);
   print_table(o.align, result);
@@ -157,9 +156,9 @@ void judge_runs(const Options& o) {
   for (const std::string& path : o.over_runs) runs.push_back(allan_lio::read_consistency_csv(path));
   const allan_lio::ConsistencySummary summary = allan_lio::summarize_consistency(runs);
   if (o.json) {
-    std::cout << allan_lio::consistency_json(summary, std::nullopt) << '\n';
+    std::cout << allan_lio::consistency_json(summary) << '\n';
   } else {
-    std::cout << allan_lio::consistency_table(summary, std::nullopt);
+    std::cout << allan_lio::consistency_table(summary);
   }
 }
 
@@ -188,12 +187,14 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--series", o.series,
                  "write errors, sigmas and NEES of every scan to this CSV (scripts/plot_consistency)")
       ->needs(states);
-  app.add_option("--bound", o.bound_imu,
-                 "IMU (a name in config/imu or a file): print beside every stretch without support what its noise "
-                 "allows from portal to portal, by dead reckoning with known tilt")
+  app.add_option(
+         "--bound", o.bound_imu,
+         "IMU (a name in config/imu or a file): print beside every stretch without support what an ideal filter "
+         "with this IMU could know along the true path (1 sigma; with --axis weakest both horizontal positions "
+         "and the heading are unseen there), and for an axis what dead reckoning with known tilt allows")
       ->needs(states);
   app.add_option("--bound-position-sigma", o.bound_position_sigma,
-                 "1 sigma of a scan's position along the axis before such a stretch [m] (default 0.002)")
+                 "1 sigma per axis of the position that an ideal scan tells [m] (default 0.002)")
       ->check(CLI::PositiveNumber);
   app.add_option("--over-runs", o.over_runs,
                  "instead of the above: series files of one sequence with different seeds; NEES averaged over them")

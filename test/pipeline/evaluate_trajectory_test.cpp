@@ -4,6 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -99,19 +100,22 @@ TEST_F(EvaluateTrajectoryTest, BadInputEndsWithASentenceAndAStatus) {
   }
 }
 
-/// states.csv of the run's tail beyond the pose: everything known to 0.1, all correlations zero.
-void write_states(const std::string& path, const Trajectory& estimate) {
+/// states.csv of the run's tail beyond the pose: everything known to 0.1, all correlations zero. From the pose
+/// `blind_from` on nothing supports it and the position's sigma grows along x.
+void write_states(const std::string& path, const Trajectory& estimate, std::size_t blind_from = SIZE_MAX) {
   std::ofstream out(path);
   out << "t,p_x,p_y,p_z,q_x,q_y,q_z,q_w,v_x,v_y,v_z,bg_x,bg_y,bg_z,ba_x,ba_y,ba_z,g_x,g_y,g_z,"
          "sigma_theta_x,sigma_theta_y,sigma_theta_z,sigma_p_x,sigma_p_y,sigma_p_z,sigma_bg_x,sigma_bg_y,sigma_bg_z,"
          "sigma_ba_x,sigma_ba_y,sigma_ba_z,support_0,cov_p_xy,cov_p_xz,cov_p_yz,cov_theta_xy,cov_theta_xz,cov_theta_yz,"
          "cov_bg_xy,cov_bg_xz,cov_bg_yz,cov_ba_xy,cov_ba_xz,cov_ba_yz,cov_tilt_00,cov_tilt_01,cov_tilt_11,"
          "cov_v_imu_xx,cov_v_imu_xy,cov_v_imu_xz,cov_v_imu_yy,cov_v_imu_yz,cov_v_imu_zz\n";
-  for (const StampedPose& pose : estimate) {
-    const Eigen::Vector3d& p = pose.pose.translation;
-    out << format_seconds(pose.stamp) << ',' << p.x() << ',' << p.y() << ',' << p.z()
-        << ",0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,-9.8,.1,.1,.1,.1,.1,.1,.1,.1,.1,.1,.1,.1,1,0,0,0,0,0,0,0,0,0,0,0,0,"
-           "0.01,0,0.01,100,0,0,100,0,100\n";
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    const Eigen::Vector3d& p = estimate[i].pose.translation;
+    const bool blind = i >= blind_from;
+    out << format_seconds(estimate[i].stamp) << ',' << p.x() << ',' << p.y() << ',' << p.z()
+        << ",0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,-9.8,.1,.1,.1," << (blind ? 0.01 * static_cast<double>(i) : 0.1)
+        << ",.1,.1,.1,.1,.1,.1,.1,.1," << (blind ? 0.1 : 1.0)
+        << ",0,0,0,0,0,0,0,0,0,0,0,0,0.01,0,0.01,100,0,0,100,0,100\n";
   }
 }
 
@@ -144,6 +148,19 @@ TEST_F(EvaluateTrajectoryTest, ConsistencyStandsBesideTheErrorsAndChangesNoneOfT
   EXPECT_EQ(plotted.status, 0) << plotted.text;
   for (const char* name : {"plots/consistency_errors.png", "plots/consistency_nees.png"})
     EXPECT_EQ(contents_of(file(name)).substr(1, 3), "PNG");
+}
+
+TEST_F(EvaluateTrajectoryTest, BesideAStretchWithoutSupportStandsWhatCouldBeKnown) {
+  write_states(file("states.csv"), read_tum(file("estimate.tum")), 21);
+  const std::string states = both() + " --align none --states " + file("states.csv") + " --json --bound mti600 --axis ";
+  for (const char* axis : {"motion", "1,0,0", "weakest"}) {
+    const Outcome outcome = evaluate(states + axis);
+    ASSERT_EQ(outcome.status, 0) << outcome.text;
+    const YAML::Node blind = YAML::Load(outcome.text)["consistency"]["blind"];
+    ASSERT_EQ(blind.size(), 1U) << outcome.text;
+    EXPECT_GT(blind[0]["bound"].as<double>(), 0.001) << axis;
+    EXPECT_EQ(blind[0]["known_tilt"].IsNull(), std::string(axis) == "weakest");
+  }
 }
 
 TEST_F(EvaluateTrajectoryTest, StatesThatLackAColumnAreToldByName) {

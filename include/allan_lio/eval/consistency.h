@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,12 @@ struct AxisChoice {
   AxisKind kind = AxisKind::kPath;
   Eigen::Vector3d given = Eigen::Vector3d::UnitX();
 };
+
+/// Speed from which a direction of motion is one [m/s].
+constexpr double kMovingSpeed = 0.1;
+
+/// Horizontal direction in which the positions extend most, of unit length.
+Eigen::Vector3d main_axis(const Trajectory& poses);
 
 /// "path", "motion", "weakest" or three numbers "1,0,0". Throws std::invalid_argument quoting anything else.
 AxisChoice parse_axis(const std::string& text);
@@ -94,6 +101,12 @@ struct NeesSummary {
   double inside = 0.0;  ///< share of the times at which the mean over the runs lies in its band
 };
 
+/// What could be known of the error that a stretch gains, 1 sigma [m]; NaN where it is not told.
+struct StretchBound {
+  double ideal = 0.0;       ///< by an ideal filter: posterior_bounds()
+  double known_tilt = 0.0;  ///< by dead reckoning with known tilt, for an axis: portal_to_portal_sigma()
+};
+
 /// From the last scan before a stretch without support in some direction to the scan in it at which the filter is least
 /// sure along the axis: there the support begins to return.
 struct BlindStretch {
@@ -101,6 +114,7 @@ struct BlindStretch {
   double seconds = 0.0;
   double error = 0.0;  ///< gained along the axis from begin to end [m]
   double sigma = 0.0;  ///< the filter's own figure of it: sqrt(P_end - P_begin) along the axis [m]
+  std::optional<StretchBound> bound = std::nullopt;  ///< where it was asked for: add_bounds()
 };
 
 /// Do the whitened innovations look white? For the components of the pose, in the order of the columns.
