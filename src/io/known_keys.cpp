@@ -42,9 +42,11 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 }
 
 std::string nearest(const std::string& key, const std::vector<std::string>& keys) {
-  return *std::min_element(keys.begin(), keys.end(), [&key](const std::string& a, const std::string& b) {
-    return edit_distance(key, a) < edit_distance(key, b);
-  });
+  constexpr std::size_t kCompared = 200;  // [characters] no key is as long; of a damaged file one may be megabytes
+  const std::string begin = key.substr(0, kCompared);
+  std::vector<std::size_t> distances;
+  for (const std::string& known : keys) distances.push_back(edit_distance(begin, known));
+  return keys[static_cast<std::size_t>(std::min_element(distances.begin(), distances.end()) - distances.begin())];
 }
 
 bool is_group(const std::string& key, const std::vector<std::string>& keys) {

@@ -8,7 +8,8 @@
 namespace allan_lio {
 namespace {
 
-constexpr std::size_t kBufferSize = 1U << 20U;  // [bytes]; also the longest line
+constexpr std::size_t kBufferSize = 1U << 16U;   // [bytes]
+constexpr std::size_t kLongestLine = 1U << 20U;  // [bytes]
 
 }  // namespace
 
@@ -27,8 +28,9 @@ void LineReader::fill() {
   std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
-  if (end_ == buffer_.size())
+  if (end_ == kLongestLine)
     throw std::runtime_error(name_ + ":" + std::to_string(number_ + 1) + ": the line is too long to be a table's");
+  if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
   const std::size_t got = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_.get());
   if (got == 0 && std::ferror(file_.get())) throw std::runtime_error(name_ + ": cannot be read");
   at_end_ = got == 0;

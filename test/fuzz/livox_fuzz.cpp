@@ -1,0 +1,30 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Livox's CustomMsg as its bytes come from a bag or a topic. First byte: with deskew or without.
+#include <cmath>
+
+#include "allan_lio/ros/decode_cloud.h"
+#include "allan_lio/ros/livox_custom.h"
+#include "fuzz_input.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace allan_lio;
+  FuzzInput input(data, size);
+  LioConfig::Lidar lidar{};
+  lidar.deskew = input.take<std::uint8_t>() % 2 == 0;
+  lidar.min_range = 0.5;
+  lidar.max_range = 100.0;
+  const RawCloud cloud{"livox_ros_driver/CustomMsg", kLivoxCustomMd5sum, input.data(), input.size()};
+  CloudDecoder decoder(lidar);
+  for (int again = 0; again < 2; ++again) {
+    const DecodedCloud decoded = decoder.decode(cloud);
+    must(decoded.scan.has_value() == decoded.error.empty());
+    if (!decoded.scan) continue;
+    must(decoded.scan->first_offset_ns <= decoded.scan->last_offset_ns);
+    for (const ScanPoint& p : decoded.scan->points) {
+      must(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+      must(p.offset_ns >= decoded.scan->first_offset_ns && p.offset_ns <= decoded.scan->last_offset_ns);
+    }
+  }
+  return 0;
+}
