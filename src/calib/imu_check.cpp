@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kStandardGravity = 9.80665;
 constexpr double kMostAccel = 50.0 * kStandardGravity, kMostRate = 100.0;  // beyond which no reading is believed
-constexpr double kStillRate = 0.02, kStillAccel = 0.3;             // scatter of half a second at rest [rad/s], [m/s^2]
-constexpr double kSameRate = 0.01, kSameAccel = 0.1;               // what its mean differs from the first half second's
-constexpr double kStretch = 0.5;                                   // [s]
-constexpr std::size_t kPlateau = 5;                                // samples that read the very same largest value
+constexpr double kStillRate = 0.02, kStillAccel = 0.3;  // scatter of half a second at rest [rad/s], [m/s^2]
+constexpr double kSameRate = 0.01, kSameAccel = 0.1;    // what its mean differs from the first half second's
+constexpr double kStretch = 0.5;                        // [s]
+constexpr std::size_t kPlateau = 5;                     // samples that read the very same largest value
 
 bool believable(const ImuSample& s) {
   return s.gyro.allFinite() && s.accel.allFinite() && s.gyro.norm() <= kMostRate && s.accel.norm() <= kMostAccel;

@@ -142,7 +142,7 @@ class PlaneVoxelMap : public VoxelMap {
   PlaneLimits limits_;
   VoxelStore<PlaneVoxel> store_;
   std::vector<std::uint32_t> touched_;
-  std::uint32_t epoch_ = 0;  ///< of the points that are being inserted
+  std::uint32_t epoch_ = 0;                           ///< of the points that are being inserted
   Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();  ///< where they were seen from [m]
 };
 
