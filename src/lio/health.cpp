@@ -9,7 +9,6 @@
 namespace allan_lio {
 namespace {
 
-constexpr double kSupported = 0.5;  // weight from which a direction counts as the LiDAR's
 constexpr double kLongDelay = 0.5;  // [s]
 constexpr int kLostScans = 5;       // without a match in a row
 constexpr double kBand = 0.95;

@@ -4,12 +4,13 @@
 
 #include <cmath>
 
+#include "allan_lio/lio/decouple.h"
+
 namespace allan_lio {
 namespace {
 
 constexpr int kLeastInliers = 20;
-constexpr double kViewTime = 2.0;   ///< [s] in which other planes come into view
-constexpr double kSupported = 0.5;  ///< support from which a direction counts as measured
+constexpr double kViewTime = 2.0;  ///< [s] in which other planes come into view
 
 /// What the prediction leaves uncertain: a point's age has the mean square duration^2/3. (What the gyroscope's noise
 /// does to all points alike is in ScanError; by a sixth of it they deviate from that.)
@@ -28,21 +29,24 @@ ScanUncertainty scan_uncertainty(const Belief& belief, const ScanError& scan, co
 Localizability judge(const NormalEquations& equations, const PointToPlane& residuals,
                      const std::vector<Eigen::Vector3f>& points, const LioState& state, double floor) {
   const PoseMatrix information = equations.information.topLeftCorner<6, 6>();
-  const double scale = std::sqrt(equations.squared_range / equations.inliers);
-  const PoseMatrix directions = support_directions(information, equations.feigned, scale);
-  PoseMatrix unscaled = directions;
-  unscaled.topRows<3>() /= scale;
-  return judge_localizability(information, equations.feigned, directions,
-                              residuals.squares_along(points, state, unscaled), scale, floor);
+  Localizability found;
+  found.scale = std::sqrt(equations.squared_range / equations.inliers);
+  found.directions = support_directions(information, equations.feigned, found.scale);
+  const PoseVector squares = residuals.squares_along(points, state, unscaled_directions(found));
+  found = judge_localizability(information, equations.feigned, found.directions, squares, found.scale, floor);
+  decouple(
+      information, equations.feigned,
+      [&](const PoseVector& direction) { return residuals.coupling_noise(points, state, direction); }, found);
+  return found;
 }
 
 /// Covariance of the planes' own errors as an error of the pose, along what the scan supports.
 PoseMatrix view_noise(const NormalEquations& equations, const Localizability& localizability) {
+  const PoseMatrix directions = unscaled_directions(localizability);
   PoseMatrix inverse = PoseMatrix::Zero();
   for (int k = 0; k < 6; ++k) {
     if (localizability.support[k] < kSupported) continue;
-    PoseVector direction = localizability.directions.col(k);
-    direction.head<3>() /= localizability.scale;
+    const PoseVector direction = directions.col(k);
     inverse +=
         direction * direction.transpose() / direction.dot(equations.information.topLeftCorner<6, 6>() * direction);
   }
@@ -50,11 +54,11 @@ PoseMatrix view_noise(const NormalEquations& equations, const Localizability& lo
 }
 
 /// Leaves to the IMU what the scan does not support.
-NormalEquations weigh(const NormalEquations& equations, const PoseMatrix& support, const PoseRows& rows) {
+NormalEquations weigh(const NormalEquations& equations, const Localizability& localizability, const PoseRows& rows) {
   NormalEquations out = equations;
-  const PoseMatrix information = support * equations.information.topLeftCorner<6, 6>();
-  out.information.topLeftCorner<6, 6>() = 0.5 * (information + information.transpose());
-  out.gradient.head<6>() = support * equations.gradient.head<6>();
+  out.information.topLeftCorner<6, 6>() =
+      weighed_information(equations.information.topLeftCorner<6, 6>(), localizability);
+  out.gradient.head<6>() = support_factor(localizability) * equations.gradient.head<6>();
   out.spread(rows);
   return out;
 }
@@ -123,7 +127,7 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
     }
     const UpdateStep solution =
         solve_step(iterate, prior, prior_belief, scan,
-                   weigh(equations, used.support, lidar_pose_rows(iterate, estimate)), estimate);
+                   weigh(equations, report.localizability, lidar_pose_rows(iterate, estimate)), estimate);
     const LioState next = lio_plus(iterate, solution.step);
     const LioMatrix reset = transport(next, iterate);
     report.iterations = i + 1;
@@ -132,6 +136,7 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
     used.state = iterate;
     used.gain = solution.gain;
     used.parts = residuals.information_of_parts();
+    for (PoseMatrix& part : used.parts) part = (part * without_pure(report.localizability)).eval();
     belief.covariance = reset * solution.posterior.covariance * reset.transpose();
     belief.view = {reset * solution.posterior.view.cross, solution.posterior.view.own};
     iterate = next;

@@ -73,12 +73,28 @@ Localizability judge_localizability(const PoseMatrix& information, const PoseMat
                               scale, floor);
 }
 
+PoseMatrix unscaled_directions(const Localizability& localizability) {
+  return to_metres(localizability.scale).cwiseInverse().asDiagonal() * localizability.directions;
+}
+
 PoseMatrix support_factor(const Localizability& localizability) {
-  const PoseVector scale = to_metres(localizability.scale);
-  const PoseMatrix& x = localizability.directions;
-  const PoseMatrix weigh =
-      x.transpose().partialPivLu().solve(PoseMatrix(localizability.support.asDiagonal() * x.transpose()));
-  return scale.asDiagonal() * weigh * scale.cwiseInverse().asDiagonal();
+  const PoseMatrix x = unscaled_directions(localizability);
+  return x.transpose().partialPivLu().solve(PoseMatrix(localizability.support.asDiagonal() * x.transpose()));
+}
+
+PoseMatrix weighed_information(const PoseMatrix& information, const Localizability& localizability) {
+  const PoseMatrix x = unscaled_directions(localizability), dual = x.inverse();
+  const PoseVector along = (x.transpose() * information * x).diagonal().cwiseProduct(localizability.support);
+  const PoseMatrix out = dual.transpose() * along.asDiagonal() * dual;
+  return 0.5 * (out + out.transpose());
+}
+
+PoseMatrix without_pure(const Localizability& localizability) {
+  const PoseMatrix x = unscaled_directions(localizability);
+  PoseVector kept = PoseVector::Ones();
+  for (int k = 0; k < 6; ++k)
+    if (localizability.pure[k]) kept[k] = 0.0;
+  return x * kept.asDiagonal() * x.inverse();
 }
 
 }  // namespace allan_lio

@@ -44,11 +44,12 @@ double add_residual(const Context& context, const Eigen::Vector3d& q, const Plan
   const PoseVector lean_1 = pose_row(q, context.back, plane.lean_1);
   const PoseVector lean_2 = pose_row(q, context.back, plane.lean_2);
   ++sum.matched;
-  const ResidualVariance noise = context.noise.of(plane, q, context.back * plane.normal, point, lean_1, lean_2);
+  const PoseMatrix* against_part = part < context.uncertainty.parts.size() ? &context.uncertainty.parts[part] : nullptr;
+  const ResidualVariance noise =
+      context.noise.of(plane, q, context.back * plane.normal, point, lean_1, lean_2, against_part);
   const double single = noise.own + noise.plane;
   double pose_variance = row.dot(context.uncertainty.pose * row);
-  if (part < context.uncertainty.parts.size())
-    pose_variance = std::max(pose_variance, row.dot(context.uncertainty.parts[part] * row));
+  if (against_part) pose_variance = std::max(pose_variance, row.dot(*against_part * row));
   if (z * z > options.gate * options.gate * (single + pose_variance)) return 0.0;
 
   const double variance = single + (sharing - 1.0) * noise.center + sharing * noise.lean;
@@ -139,9 +140,8 @@ NormalEquations PointToPlane::linearize(const std::vector<Eigen::Vector3f>& poin
   pool_.run(points_imu.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (!planes_[i]) continue;
-      const double sharing = planes_[i]->group == Plane::kNoGroup ? 1.0 : shared_[planes_[i]->group];
       const std::size_t part = part_of(planes_[i]->epoch, last_epochs);
-      weights_[i] = add_residual(context, points_imu[i].cast<double>(), *planes_[i], sharing, part, blocks_[block],
+      weights_[i] = add_residual(context, points_imu[i].cast<double>(), *planes_[i], sharing(i), part, blocks_[block],
                                  block_parts_[block * parts + part]);
     }
   });
@@ -161,9 +161,25 @@ PoseVector PointToPlane::squares_along(const std::vector<Eigen::Vector3f>& point
   for (std::size_t i = 0; i < points_imu.size(); ++i) {
     if (weights_[i] == 0.0) continue;
     // The m points on a plane add about the same, so the square of their sum is m times the sum of their squares.
-    const double sharing = planes_[i]->group == Plane::kNoGroup ? 1.0 : shared_[planes_[i]->group];
     const PoseVector along = directions.transpose() * pose_row(points_imu[i].cast<double>(), back, planes_[i]->normal);
-    out += sharing * weights_[i] * weights_[i] * along.cwiseAbs2().cwiseAbs2();
+    out += sharing(i) * weights_[i] * weights_[i] * along.cwiseAbs2().cwiseAbs2();
+  }
+  return out;
+}
+
+PoseMatrix PointToPlane::coupling_noise(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
+                                        const PoseVector& direction) const {
+  const Eigen::Matrix3d back = state.nav.T_world_imu.rotation.toRotationMatrix().transpose();
+  PoseMatrix out = PoseMatrix::Zero();
+  for (std::size_t i = 0; i < points_imu.size(); ++i) {
+    if (weights_[i] == 0.0) continue;
+    const Eigen::Vector3d q = points_imu[i].cast<double>();
+    const double lean_1 = pose_row(q, back, planes_[i]->lean_1).dot(direction);
+    const double lean_2 = pose_row(q, back, planes_[i]->lean_2).dot(direction);
+    const PoseVector row = pose_row(q, back, planes_[i]->normal);
+    // The m points on a plane share its lean: their sum's variance is about m times that of m alone.
+    const double variance = sharing(i) * weights_[i] * weights_[i] * (lean_1 * lean_1 + lean_2 * lean_2);
+    out.noalias() += variance * row * row.transpose();
   }
   return out;
 }

@@ -9,7 +9,6 @@ namespace allan_lio {
 
 PoseInnovation pose_innovation(const PoseMatrix& information, const PoseVector& gradient, const PoseMatrix& prior,
                                const Localizability& localizability) {
-  constexpr double kSupported = 0.5;
   PoseVector to_metres;
   to_metres << PoseVector::Constant(localizability.scale).head<3>(), 1.0, 1.0, 1.0;
   // The pose's error in metres is X y. In y the information is diagonal, so that each direction is measured by itself.

@@ -13,10 +13,6 @@ namespace {
 /// a scan shows hangs together: it counts as so many independent samples, however many points there are.
 constexpr double kStructures = 4.0;
 
-/// Of the beams' angle of incidence, 60 deg. Beams that come in flatter draw rings and streaks, and what these leave
-/// unknown of the plane is more than their noise across it: with 0.02 flat ground "measured" where it was seen from.
-constexpr double kLeastMeanSquaredCosine = 0.25;
-
 Eigen::Matrix3d matrix_of(const PlaneSums::Products& s) {
   Eigen::Matrix3d out;
   out << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
@@ -27,7 +23,7 @@ Eigen::Matrix3d matrix_of(const PlaneSums::Products& s) {
 double expected_variance(const PlaneSums& sums, const Eigen::Vector3d& normal, double point_variance) {
   if (sums.beams.isZero()) return point_variance;
   const double squared_cosine = normal.dot(matrix_of(sums.beams) * normal) / sums.count;
-  return point_variance * std::max(squared_cosine, kLeastMeanSquaredCosine);
+  return point_variance * std::max(squared_cosine, kLeastSquaredCosine);
 }
 
 }  // namespace

@@ -9,15 +9,18 @@
 namespace allan_lio {
 namespace {
 
-/// Each voxel also takes the points this far outside of it (part of its edge), so that a wall that runs along a
-/// border is seen whole from both sides instead of being cut into two halves of its noise.
+/// A plane also takes the points this far outside of its voxel (part of the edge) if their foot lies inside, so that a
+/// wall that runs along a border is seen whole instead of being cut into two halves of its noise. A point is compared
+/// with the plane in whose voxel its foot lies, so what makes a plane and what is compared with it are the same patch
+/// of the surface: were one of them larger, the curve of a surface would show as an offset, the same everywhere.
 constexpr double kOverlap = 0.1;
+constexpr double kSameSurface = 0.75;       ///< squared cosine between the normals of neighbouring planes: 30 deg
 constexpr std::uint32_t kFullAfter = 1000;  ///< points; then the plane is fixed and anchors later visits
 constexpr double kGate = 3.5;               ///< [sigma]; a point farther from the plane is of another surface
 constexpr double kMaxLean = 0.15;           ///< [rad]
 constexpr double kMaxStructure = 0.06;      ///< of the edge
 constexpr double kLeastAspect = 3.0;
-constexpr std::uint32_t kMinPoints = 12;
+constexpr std::uint32_t kMinPoints = 8;
 constexpr std::uint32_t kMaxIndependent = 100;
 
 struct PlaneVoxel {
@@ -54,19 +57,15 @@ class PlaneVoxelMap : public VoxelMap {
   }
 
   const Plane* find(const Eigen::Vector3d& point, Plane&) const override {
-    VoxelCoordinates c = voxel_of(point, store_.inverse_edge());
-    const PlaneVoxel* first = store_.find(c);
-    if (!first || !first->is_plane) return nullptr;
-    if (!first->is_divided) return &first->plane;
-    c.second = true;
-    const PlaneVoxel* second = store_.find(c);
-    if (!second || !second->is_plane) return &first->plane;
-    // In the corner between the two nobody can tell whose point it is, and the guess errs to the same side every time.
-    const bool of_first = belongs(point, first->plane), of_second = belongs(point, second->plane);
-    if (of_first && of_second) return nullptr;
-    if (of_first != of_second) return of_first ? &first->plane : &second->plane;
-    const bool is_nearer = std::abs(second->plane.distance(point)) < std::abs(first->plane.distance(point));
-    return is_nearer ? &second->plane : &first->plane;
+    const VoxelCoordinates home = voxel_of(point, store_.inverse_edge());
+    const Plane* plane = plane_in(home, point);
+    if (!plane) return nullptr;
+    const VoxelCoordinates under = voxel_of(plane->foot(point), store_.inverse_edge());
+    if (in_same_cube(under, home)) return plane;
+    const Plane* beside = plane_in(under, point);
+    if (!beside || !belongs(point, *beside)) return plane;
+    const double cosine = beside->normal.dot(plane->normal);
+    return cosine * cosine >= kSameSurface ? beside : plane;
   }
 
   void clear() override { store_.clear(); }
@@ -81,6 +80,22 @@ class PlaneVoxelMap : public VoxelMap {
   }
 
  private:
+  /// The plane in the voxel that `point` belongs to, or null.
+  const Plane* plane_in(VoxelCoordinates c, const Eigen::Vector3d& point) const {
+    const PlaneVoxel* first = store_.find(c);
+    if (!first || !first->is_plane) return nullptr;
+    if (!first->is_divided) return &first->plane;
+    c.second = true;
+    const PlaneVoxel* second = store_.find(c);
+    if (!second || !second->is_plane) return &first->plane;
+    // In the corner between the two nobody can tell whose point it is, and the guess errs to the same side every time.
+    const bool of_first = belongs(point, first->plane), of_second = belongs(point, second->plane);
+    if (of_first && of_second) return nullptr;
+    if (of_first != of_second) return of_first ? &first->plane : &second->plane;
+    const bool is_nearer = std::abs(second->plane.distance(point)) < std::abs(first->plane.distance(point));
+    return is_nearer ? &second->plane : &first->plane;
+  }
+
   void make_room(const Eigen::Vector3d& sensor) {
     refit_touched();
     store_.make_room(sensor, options_.radius);
@@ -94,6 +109,7 @@ class PlaneVoxelMap : public VoxelMap {
 
   void insert_point(const Eigen::Vector3d& p) {
     const Eigen::Vector3d scaled = p * store_.inverse_edge();
+    const VoxelCoordinates home = voxel_of(p, store_.inverse_edge());
     int low[3], high[3];
     for (int k = 0; k < 3; ++k) {
       low[k] = static_cast<int>(std::floor(scaled[k] - kOverlap));
@@ -101,18 +117,26 @@ class PlaneVoxelMap : public VoxelMap {
     }
     for (int x = low[0]; x <= high[0]; ++x)
       for (int y = low[1]; y <= high[1]; ++y)
-        for (int z = low[2]; z <= high[2]; ++z) add_to_voxel({x, y, z}, p);
+        for (int z = low[2]; z <= high[2]; ++z) {
+          const VoxelCoordinates c{x, y, z};
+          add_to_voxel(c, in_same_cube(c, home), p);
+        }
   }
 
-  void add_to_voxel(const VoxelCoordinates& c, const Eigen::Vector3d& p) {
-    const std::uint32_t i = store_.find_or_make(c);
+  /// A voxel that is no plane yet takes only the points inside of it (`is_home`): which of those beside it have their
+  /// foot in it is not known.
+  void add_to_voxel(const VoxelCoordinates& c, bool is_home, const Eigen::Vector3d& p) {
+    const std::uint32_t i = is_home ? store_.find_or_make(c) : store_.number_of(c);
+    if (i == VoxelIndex::kNone) return;
     PlaneVoxel& voxel = store_[i];
+    if (!voxel.is_plane && !is_home) return;
     if (voxel.is_plane && !belongs(p, voxel.plane)) {
       if (c.second) return;  // a third surface is left out
-      voxel.is_divided = true;
-      add_to_voxel({c.x, c.y, c.z, true}, p);
+      voxel.is_divided |= is_home;
+      add_to_voxel({c.x, c.y, c.z, true}, is_home, p);
       return;
     }
+    if (voxel.is_plane && !in_same_cube(voxel_of(voxel.plane.foot(p), store_.inverse_edge()), c)) return;
     if (voxel.sums.count >= kFullAfter) return;
     voxel.sums.add(p - store_.voxel_center(c), (p - sensor_).normalized());
     voxel.epochs += epoch_;

@@ -39,7 +39,7 @@ Plane fitted(const PlaneSums& sums) {
 }
 
 TEST(Plane, OfTheRangeNoiseOnlyWhatLiesAcrossMakesItsCentreUncertain) {
-  constexpr double kCosine = 0.6;
+  constexpr double kCosine = 0.3;
   const double across = kCosine * kRangeNoise;
   std::vector<double> variances;  // now and then chance looks like structure
   for (unsigned seed = 0; seed < 51; ++seed) variances.push_back(fitted(ground(kCosine, 0.0, seed)).center_variance);
@@ -48,7 +48,7 @@ TEST(Plane, OfTheRangeNoiseOnlyWhatLiesAcrossMakesItsCentreUncertain) {
 }
 
 TEST(Plane, ItsCentreErrsNoMoreThanItSays) {
-  constexpr double kCosine = 0.6;
+  constexpr double kCosine = 0.3;
   constexpr int kRuns = 300;
   double sum = 0.0;
   for (unsigned seed = 0; seed < kRuns; ++seed) {
@@ -60,7 +60,7 @@ TEST(Plane, ItsCentreErrsNoMoreThanItSays) {
 }
 
 TEST(Plane, RoughnessThatTheRangeNoiseWouldHideIsSeenAtGrazingIncidence) {
-  constexpr double kCosine = 0.5, kRough = 0.012;
+  constexpr double kCosine = 0.15, kRough = 0.012;
   const PlaneSums sums = ground(kCosine, kRough, 3);
   const Plane plane = fitted(sums);
   EXPECT_LT(plane.thickness, kRangeNoise * kRangeNoise) << "thinner than a wall seen head-on";
@@ -78,7 +78,7 @@ TEST(Plane, BeamsThatAreNotKnownCountAsHeadOn) {
 }
 
 TEST(Plane, AlongASurfaceTheBeamsNoiseHasAFloor) {
-  const double floor = 0.25 * kRangeNoise * kRangeNoise;  // that of 60 deg
+  const double floor = kLeastSquaredCosine * kRangeNoise * kRangeNoise;
   EXPECT_NEAR(fitted(ground(0.01, 0.0, 5)).center_variance, floor / 100, 1e-3 * floor / 100);
 }
 

@@ -16,11 +16,13 @@ struct UsedMeasurement {
   LioState state;  ///< where it was linearised
   /// From the weighted gradient of the pose (1/rad, 1/m) to the state's error (SI units of LioIndex).
   Eigen::Matrix<double, kLioDof, 6> gain;
-  PoseMatrix support;             ///< weighs information and gradient (support_factor)
-  std::vector<PoseMatrix> parts;  ///< unweighed information of the pose, by part of the map [1/rad^2, 1/m^2]
-  PoseMatrix view_noise;          ///< covariance that ViewError went towards [rad^2, m^2]
-  double view_kept;               ///< part of itself that ViewError kept
-  ScanError scan;                 ///< what deskewing added
+  PoseMatrix support;  ///< weighs information and gradient (support_factor)
+  /// From the pose's error to the unweighed gradient, by part of the map [1/rad^2, 1/m^2]: its information, nothing
+  /// along directions that are known not to be seen.
+  std::vector<PoseMatrix> parts;
+  PoseMatrix view_noise;  ///< covariance that ViewError went towards [rad^2, m^2]
+  double view_kept;       ///< part of itself that ViewError kept
+  ScanError scan;         ///< what deskewing added
 };
 
 /// The covariance of the run's error in the world of its first pose, whatever the filter believes.

@@ -3,11 +3,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 
 namespace allan_lio {
 
 using PoseMatrix = Eigen::Matrix<double, 6, 6>;
 using PoseVector = Eigen::Matrix<double, 6, 1>;
+
+constexpr double kSupported = 0.5;  ///< support from which a direction counts as measured
 
 /// How far a scan supports the six directions of the pose.
 ///
@@ -21,8 +24,13 @@ struct Localizability {
   /// Columns of unit length in (rotation, translation), weakest first, the rotation's components scaled by the scene's
   /// size so that both read as metres.
   PoseMatrix directions = PoseMatrix::Identity();
+  /// Columns that are exact translations or rotations: what seemed to couple them to others was noise (decouple.h).
+  std::array<bool, 6> pure = {};
   double scale = 1.0;  ///< the scene's size: root mean square range [m]
 };
+
+/// The columns of `directions` in radians and metres.
+PoseMatrix unscaled_directions(const Localizability& localizability);
 
 /// The directions to be judged, in (rotation, translation) scaled as in Localizability: generalised eigenvectors of
 /// `information` and `feigned`, which are about the pose in radians and metres.
@@ -41,8 +49,14 @@ Localizability judge_localizability(const PoseMatrix& information, const PoseMat
 Localizability judge_localizability(const PoseMatrix& information, const PoseMatrix& feigned, double scale,
                                     double floor);
 
-/// The 6 x 6 factor T that weighs by the support: information becomes T information (which is symmetric again) and
-/// gradient becomes T gradient.
+/// The 6 x 6 factor T that weighs the gradient by the support: it becomes T gradient.
 PoseMatrix support_factor(const Localizability& localizability);
+
+/// The information weighed by the support: diagonal in the directions. It is T information where the directions are
+/// those of support_directions(); of a pure direction the coupling to others is gone.
+PoseMatrix weighed_information(const PoseMatrix& information, const Localizability& localizability);
+
+/// Takes the part along the pure directions out of a pose's error.
+PoseMatrix without_pure(const Localizability& localizability);
 
 }  // namespace allan_lio

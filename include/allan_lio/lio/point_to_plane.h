@@ -67,9 +67,18 @@ class PointToPlane {
   PoseVector squares_along(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
                            const PoseMatrix& directions) const;
 
+  /// Covariance, by the noise of the planes' normals, of the information's product with `direction`, in the last
+  /// linearisation, of these points at this state.
+  PoseMatrix coupling_noise(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
+                            const PoseVector& direction) const;
+
  private:
   void match(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state, const VoxelMap& map);
   void count_groups();
+  /// Number of points on the i-th point's plane.
+  double sharing(std::size_t i) const {
+    return planes_[i]->group == Plane::kNoGroup ? 1.0 : shared_[planes_[i]->group];
+  }
 
   TaskPool& pool_;
   std::vector<const Plane*> planes_;  ///< a point's plane or null

@@ -48,7 +48,8 @@ struct ResidualVariance {
 /// residual's Jacobian (errors in variables). In a room x is nothing. In a field or a tunnel x is metres along what no
 /// plane measures, and taken for exact the noise of the normals measures it: tilt and height, known well, are found
 /// "shifted" by their product. Each new set of planes is another look that would believe so, up to half of the
-/// variance; kLooks of them pass in a minute or two.
+/// variance; kLooks of them pass in some minutes (decisions 13). x is the pose's error against the part of the map that
+/// the plane belongs to: what was made a second ago has drifted along.
 class ResidualNoise {
  public:
   ResidualNoise(const ResidualOptions& options, const ScanUncertainty& scan)
@@ -60,11 +61,13 @@ class ResidualNoise {
         translation_(scan.iterate.diagonal().tail<3>().sum()),
         smear_(scan.smear.trace()) {}
 
+  /// `against_part`: covariance of the predicted pose against the plane's part of the map, or null.
   /// `q` and `normal` in the IMU's frame [m], from whose origin the beam is taken to come (the LiDAR is some decimetres
   /// away, which matters to none but the nearest points); `point` in the world [m]; `lean_1`, `lean_2`: the residual's
   /// Jacobian with the plane's leans for its normal.
   ResidualVariance of(const Plane& plane, const Eigen::Vector3d& q, const Eigen::Vector3d& normal,
-                      const Eigen::Vector3d& point, const PoseVector& lean_1, const PoseVector& lean_2) const {
+                      const Eigen::Vector3d& point, const PoseVector& lean_1, const PoseVector& lean_2,
+                      const PoseMatrix* against_part = nullptr) const {
     ResidualVariance out;
     const double squared_range = q.squaredNorm(), height = normal.dot(q);
     // Of the range's noise the cosine of the angle of incidence lies along the normal. At grazing incidence the spot is
@@ -78,14 +81,20 @@ class ResidualNoise {
     out.plane = plane.variance_at(point);
     out.center = plane.center_variance;
     const double leans = plane.lean_1.squaredNorm() + plane.lean_2.squaredNorm();
-    if (kLooks * leans * (translation_ + rotation_ * squared_range) > kNegligible * range_variance_)
-      out.lean = kLooks * (lean_1.dot(scan_.iterate * lean_1) + lean_2.dot(scan_.iterate * lean_2));
+    if (kLooks * leans * (translation_ + rotation_ * squared_range) > kNegligible * range_variance_) {
+      out.lean = lean_variance(scan_.iterate, lean_1, lean_2);
+      if (against_part) out.lean = std::min(out.lean, lean_variance(*against_part, lean_1, lean_2));
+    }
     return out;
   }
 
-  static constexpr double kLooks = 64.0;
+  static constexpr double kLooks = 512.0;
 
  private:
+  static double lean_variance(const PoseMatrix& pose, const PoseVector& lean_1, const PoseVector& lean_2) {
+    return kLooks * (lean_1.dot(pose * lean_1) + lean_2.dot(pose * lean_2));
+  }
+
   static constexpr double kBeamSigma = 0.25;   ///< of the full angle: the spot is four sigma wide
   static constexpr double kNegligible = 0.01;  ///< of the range's variance
 

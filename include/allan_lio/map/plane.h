@@ -24,6 +24,9 @@ struct Plane {
 
   double distance(const Eigen::Vector3d& point) const { return normal.dot(point - center); }
 
+  /// Where the perpendicular from `point` meets the plane.
+  Eigen::Vector3d foot(const Eigen::Vector3d& point) const { return point - distance(point) * normal; }
+
   /// Variance of the plane's height under `point` [m^2].
   double variance_at(const Eigen::Vector3d& point) const {
     const Eigen::Vector3d offset = point - center;

@@ -14,6 +14,11 @@ struct VoxelCoordinates {
   bool second = false;  ///< of two surfaces in the same cube the one that was made out later
 };
 
+/// Whichever of the cube's surfaces.
+inline bool in_same_cube(const VoxelCoordinates& a, const VoxelCoordinates& b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
 inline VoxelCoordinates voxel_of(const Eigen::Vector3d& point, double inverse_edge) {
   return {static_cast<int>(std::floor(point.x() * inverse_edge)),
           static_cast<int>(std::floor(point.y() * inverse_edge)),

@@ -28,8 +28,11 @@ class VoxelStore {
   Voxel& operator[](std::size_t i) { return chunks_[i / kChunk][i % kChunk]; }
   const Voxel& operator[](std::size_t i) const { return chunks_[i / kChunk][i % kChunk]; }
 
+  /// The voxel's number, or VoxelIndex::kNone.
+  std::uint32_t number_of(const VoxelCoordinates& c) const { return index_.find(voxel_key(c)); }
+
   const Voxel* find(const VoxelCoordinates& c) const {
-    const std::uint32_t i = index_.find(voxel_key(c));
+    const std::uint32_t i = number_of(c);
     return i == VoxelIndex::kNone ? nullptr : &(*this)[i];
   }
 
