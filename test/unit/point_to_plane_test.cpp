@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "allan_lio/lio/iterated_update.h"
 #include "allan_lio/math/so3.h"
 #include "scene_points.h"
@@ -88,6 +90,42 @@ TEST(PointToPlane, PointsOnOnePlaneTellNoMoreThanThePlaneKnows) {
     const double along_normal = plane.normal.dot(sum.information.block<3, 3>(3, 3) * plane.normal);
     EXPECT_NEAR(1.0 / along_normal, 4e-4 / count + 1e-4, 1e-9);
   }
+}
+
+TEST(PointToPlane, TheCouplingNoiseIsTheSpreadThatLeaningNormalsGiveTheInformation) {
+  // Many points on one plane whose normal is drawn anew: information * direction over the draws.
+  Plane plane = some_plane();
+  plane.group = 5;
+  plane.lean_1 = 1e-3 * plane.normal.unitOrthogonal();
+  plane.lean_2 = 2e-3 * plane.normal.cross(plane.normal.unitOrthogonal());
+  const LioState state = some_state();
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 40; ++i) points.push_back({3.0F + 0.01F * static_cast<float>(i), -1.0F, 0.5F});
+  ResidualOptions options = kOptions;
+  options.estimate_extrinsics = false;
+  TaskPool pool(1);
+  PointToPlane residuals(pool);
+  PoseVector direction = PoseVector::Zero();
+  direction.tail<3>() = plane.normal.unitOrthogonal();  // no plane measures along it but by its noise
+  const auto product = [&](const OnePlaneMap& map) -> PoseVector {
+    const NormalEquations sum = residuals.linearize(points, state, ScanUncertainty{}, map, options);
+    return sum.information.topLeftCorner<6, 6>() * direction;
+  };
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  PoseMatrix spread = PoseMatrix::Zero();
+  constexpr int kDraws = 20000;
+  for (int i = 0; i < kDraws; ++i) {
+    Plane drawn = plane;
+    drawn.normal += normal(random) * plane.lean_1 + normal(random) * plane.lean_2;
+    const PoseVector d = product(OnePlaneMap(drawn));
+    spread += d * d.transpose() / kDraws;
+  }
+  const OnePlaneMap map(plane);
+  const PoseVector untouched = product(map);
+  EXPECT_LT(untouched.norm(), 1e-6 * spread.trace());
+  const PoseMatrix told = residuals.coupling_noise(points, state, direction);
+  EXPECT_LT((told - spread).norm(), 0.05 * spread.norm());
 }
 
 TEST(PointToPlane, AResidualBeyondTheGateDoesNotCount) {

@@ -60,7 +60,22 @@ TEST(ResidualNoise, TheLeanTermIsTheSpreadOfWhatLeaningNormalsMakeOfThePosesErro
     sum += z * z;
   }
   const double spread = sum / kDraws;
-  EXPECT_NEAR(noise_of(kOptions, scan, plane, q).lean, ResidualNoise::kLooks * spread, 0.03 * 64 * spread);
+  EXPECT_NEAR(noise_of(kOptions, scan, plane, q).lean, ResidualNoise::kLooks * spread,
+              0.03 * ResidualNoise::kLooks * spread);
+}
+
+TEST(ResidualNoise, ThePosesErrorIsThatAgainstThePlanesPartOfTheMap) {
+  const Plane plane = ground();
+  const PoseVector lean_1 = row_of(kPoint, plane.lean_1), lean_2 = row_of(kPoint, plane.lean_2);
+  ScanUncertainty drifted;  // metres from where the run began
+  drifted.iterate = PoseMatrix::Identity();
+  const ResidualNoise noise(kOptions, drifted);
+  const auto lean = [&](const PoseMatrix* part) {
+    return noise.of(plane, kPoint, plane.normal, kPoint, lean_1, lean_2, part).lean;
+  };
+  const PoseMatrix recent = 1e-4 * PoseMatrix::Identity(), older = 9.0 * PoseMatrix::Identity();
+  EXPECT_NEAR(lean(&recent), 1e-4 * lean(nullptr), 1e-12 * lean(nullptr)) << "the part has drifted along";
+  EXPECT_EQ(lean(&older), lean(nullptr)) << "what the iterations have measured counts too";
 }
 
 TEST(ResidualNoise, AWellKnownPoseMakesNothingOfLeaningNormals) {
