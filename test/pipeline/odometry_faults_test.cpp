@@ -139,7 +139,9 @@ TEST(OdometryFaults, TheLongestSilenceThatIsBridgedIsTheConfigurations) {
       config, 60, [](int i) { return in_gap(kStart + i * kScanStep) ? std::vector<Eigen::Vector3d>{} : room(i); },
       [](ImuSample& s) { return !in_gap(s.stamp); });
   EXPECT_EQ(run.counters.starts_in_place, 0u);
-  EXPECT_LT(strayed(run.results.back()), 0.05);
+  // Of 5.5 m that it may have gone in the meantime; the map is found again, with a caution that lasts for seconds.
+  EXPECT_LT(strayed(run.results.back()), 0.1);
+  EXPECT_LT(strayed(run.results.back()), 3.0 * position_sigma(run.results.back()));
 }
 
 TEST(OdometryFaults, EmptyScansLeaveItToTheImu) {
