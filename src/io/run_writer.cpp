@@ -4,13 +4,11 @@
 
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <locale>
-#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
@@ -113,18 +111,10 @@ void put_counters(std::ostream& out, const LioCounters& c) {
       << "\n  starts_in_place: " << c.starts_in_place << '\n';
 }
 
-/// CPU time per scan; percentiles by the nearest rank.
-void put_times(std::ostream& out, std::vector<double> seconds) {
-  std::sort(seconds.begin(), seconds.end());
-  const auto percentile = [&seconds](double fraction) {
-    const double rank = std::ceil(fraction * static_cast<double>(seconds.size()));
-    return seconds.empty() ? 0.0 : seconds[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
-  };
-  const double sum = std::accumulate(seconds.begin(), seconds.end(), 0.0);
-  const double mean = seconds.empty() ? 0.0 : sum / static_cast<double>(seconds.size());
+void put_times(std::ostream& out, const TimeStatistics& scans) {
   const auto precision = out.precision(3);
-  out << std::fixed << "time_per_scan_ms: {mean: " << 1e3 * mean << ", p50: " << 1e3 * percentile(0.5)
-      << ", p95: " << 1e3 * percentile(0.95) << ", max: " << 1e3 * percentile(1.0) << "}\n";
+  out << std::fixed << "time_per_scan_ms: {mean: " << 1e3 * scans.mean() << ", p50: " << 1e3 * scans.percentile(0.5)
+      << ", p95: " << 1e3 * scans.percentile(0.95) << ", max: " << 1e3 * scans.largest() << "}\n";
   out.precision(precision);
   out.unsetf(std::ios::floatfield);
 }
@@ -170,7 +160,7 @@ RunWriter::~RunWriter() {
     states_.flush();
     RunSummary summary;
     summary.status = "interrupted";
-    summary.counters.scans_read = summary.counters.scans_used = scan_seconds_.size();
+    summary.counters.scans_read = summary.counters.scans_used = scan_seconds_.count();
     summary.notes = {"the run did not end in order: of the counters only the scans are known, as states written"};
     write_summary(summary);
   } catch (const std::exception&) {
@@ -182,8 +172,8 @@ void RunWriter::add(const LioResult& result, double cpu_seconds) {
   const NavState& nav = result.state.nav;
   trajectory_ << format_tum_line({nav.stamp, nav.T_world_imu}) << '\n';
   states_ << states_row(result) << '\n';
-  const bool first = scan_seconds_.empty();
-  scan_seconds_.push_back(cpu_seconds);
+  const bool first = scan_seconds_.count() == 0;
+  scan_seconds_.add(cpu_seconds);
   if (first || std::abs(seconds_between(last_flush_, nav.stamp)) >= 1.0) {
     trajectory_.flush();
     states_.flush();

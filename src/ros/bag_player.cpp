@@ -33,12 +33,17 @@ void nap() {
 
 }  // namespace
 
-BagPlayer::BagPlayer(const std::vector<std::string>& bags, const std::string& filter, double rate, double patience)
-    : bags_(bags), files_(bags), filter_(ros::names::resolve(filter)), rate_(rate), patience_(patience) {
+BagPlayer::BagPlayer(const std::vector<std::string>& bags, const Options& options)
+    : laps_(bags, options.laps),
+      files_(bags),
+      filter_(ros::names::resolve(options.filter)),
+      rate_(options.rate),
+      patience_(options.patience) {
   clock_ = handle_.advertise<rosgraph_msgs::Clock>("/clock", 10);
-  wait_for_filter(patience);
-  bags_.require(answer_.imu_topic, {ros::message_traits::datatype<sensor_msgs::Imu>()});
-  bags_.require(answer_.lidar_topic, cloud_datatypes());
+  wait_for_filter(patience_);
+  laps_.bags().require(answer_.imu_topic, {ros::message_traits::datatype<sensor_msgs::Imu>()});
+  laps_.bags().require(answer_.lidar_topic, cloud_datatypes());
+  laps_.measure_by(answer_.imu_topic);
 }
 
 void BagPlayer::wait_for_filter(double patience) {
@@ -60,7 +65,7 @@ Finish::Response BagPlayer::ask(bool end) {
   call.request.scans_sent = scans_sent_;
   call.request.end = end;
   call.request.inputs = files_;
-  if (end) call.request.notes = bags_.troubles();
+  if (end) call.request.notes = laps_.bags().troubles();
   if (!service_.call(call)) {
     if (ros::ok()) throw std::runtime_error("the filter " + filter_ + " has gone");
     return answer_;
@@ -154,20 +159,20 @@ void BagPlayer::finish() {
     nap();
   }
   if (!answer_.success && answer_.finished) throw std::runtime_error(answer_.message);
-  const std::vector<std::string> troubles = bags_.troubles();
+  const std::vector<std::string> troubles = laps_.bags().troubles();
   if (!troubles.empty()) throw std::runtime_error(troubles.front());
 }
 
 void BagPlayer::play() {
   // Every publisher must be there before the first message, so that subscribers can connect.
-  for (const auto& connection : bags_.connections()) {
+  for (const auto& connection : laps_.bags().connections()) {
     if (is_ours(connection->topic) || publishers_.count(connection->topic) > 0) continue;
     advertise(*connection);
   }
   wait_for_subscriptions(patience_);
   BagMessage message;
   // A message of the filter's before the end: it is of no use to go on.
-  while (ros::ok() && answer_.message.empty() && bags_.next(message)) {
+  while (ros::ok() && answer_.message.empty() && laps_.next(message)) {
     if (is_ours(message.connection->topic)) continue;
     pace(message.time);
     publish(message);

@@ -45,7 +45,7 @@ Marker ellipsoid(const LioResult& result, const std::string& frame) {
   if (axes.determinant() < 0.0) axes.col(0) *= -1.0;
   out.pose.orientation = to_quaternion(Eigen::Quaterniond(axes));
   out.scale = to_vector((2.0 * kSigmas * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt()).cwiseMax(kThinnest));
-  paint(out, 0.2F, 0.5F, 1.0F, 0.35F);
+  paint(out, 0.2F, 0.5F, 1.0F, 0.6F);
   return out;
 }
 

@@ -13,19 +13,23 @@ int main(int argc, char** argv) {
       "Plays bags for the LiDAR-inertial filter, no faster than it takes them, so that nothing is lost whatever the "
       "rate; at the end has it write its results. All topics of the bags and /clock are published."};
   std::vector<std::string> bags;
-  std::string filter = "lidar_odometry";
-  double rate = 0.0, patience = 30.0;
+  allan_lio::BagPlayer::Options options;
   app.add_option("bags", bags, "bag files, merged by time")->required();
-  app.add_option("--rate", rate, "times real time; 0: as fast as the filter takes it")
+  app.add_option("--rate", options.rate, "times real time; 0: as fast as the filter takes it")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--filter", filter, "name of the filter's node or nodelet")->capture_default_str();
-  app.add_option("--patience", patience, "how long to wait for the filter [s]")
+  app.add_option("--filter", options.filter, "name of the filter's node or nodelet")->capture_default_str();
+  app.add_option("--patience", options.patience, "how long to wait for the filter [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--laps", options.laps,
+                 "play them so often, the stamps carried on: for an endurance run on a recording that ends where it "
+                 "began, at rest, and whose points' times count from the cloud's stamp")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
-    allan_lio::BagPlayer player(bags, filter, rate, patience);
+    allan_lio::BagPlayer player(bags, options);
     player.play();
     if (!ros::ok()) {
       std::cerr << "play_bag: interrupted\n";

@@ -45,6 +45,7 @@ TWO_ROBOTS = """<launch>
       <param name="frames/publish_tf" value="false"/>
       <remap from="/imu/data" to="/b/imu"/>
       <remap from="/points" to="/b/points"/>
+      <remap from="/diagnostics" to="/b/diagnostics"/>
     </node>
   </group>
 </launch>
@@ -244,6 +245,7 @@ class LiveNode(unittest.TestCase):
         self.start('roslaunch', '--wait', file)
         a, b = Recorder('/a/lidar_odometry/odometry', Odometry), Recorder('/b/lidar_odometry/odometry', Odometry)
         states_a, states_b = Recorder('/a/lidar_odometry/state', State), Recorder('/b/lidar_odometry/state', State)
+        diagnostics = [Recorder(topic, DiagnosticArray) for topic in ('/diagnostics', '/b/diagnostics')]
         relays = [rospy.Subscriber(source, kind, rospy.Publisher(sink, kind, queue_size=4000).publish, queue_size=4000)
                   for source, sink, kind in (('/imu/data', '/b/imu', Imu), ('/points', '/b/points', PointCloud2))]
         rospy.wait_for_service('/b/lidar_odometry/finish', TIME_LIMIT)
@@ -255,6 +257,9 @@ class LiveNode(unittest.TestCase):
         self.assertEqual(states_a.wait(2).k_gb, 1.0)
         self.assertEqual({m.header.frame_id for m in a.messages}, {'odom'})
         self.assertEqual({m.header.frame_id for m in b.messages}, {'odom_b'})
+        for recorder, robot in zip(diagnostics, 'ab'):
+            recorder.wait(1)
+            self.assertEqual({s.name for m in recorder.messages for s in m.status}, {robot + '/lidar_odometry: odometry'})
         poses = {m.header.stamp: position(m) for m in a.messages[:15]}
         common = [m for m in b.messages[:15] if m.header.stamp in poses]
         self.assertGreater(len(common), 5)

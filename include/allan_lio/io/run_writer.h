@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "allan_lio/io/time_statistics.h"
 #include "allan_lio/lio/lio_config.h"
 #include "allan_lio/lio/lio_result.h"
 
@@ -46,7 +47,7 @@ class RunWriter {
   std::string directory_;
   LioConfig config_;
   std::ofstream trajectory_, states_;
-  std::vector<double> scan_seconds_;  ///< CPU time of every scan so far [s]
+  TimeStatistics scan_seconds_;  ///< CPU time of the scans so far [s]
   TimeNs last_flush_ = 0;
   bool finished_ = false;
 };

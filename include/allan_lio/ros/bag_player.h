@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "allan_lio/ros/bag_source.h"
+#include "allan_lio/ros/bag_laps.h"
 
 namespace allan_lio {
 
@@ -20,9 +20,15 @@ namespace allan_lio {
 /// how far it has come, and never lets more be under way than the filter's queues hold.
 class BagPlayer {
  public:
-  /// `filter`: name of the filter's node or nodelet. `rate`: times real time, 0 for as fast as the filter takes it.
-  /// Waits for the filter at most `patience` [s]. Throws BagError or std::runtime_error with a sentence.
-  BagPlayer(const std::vector<std::string>& bags, const std::string& filter, double rate, double patience);
+  struct Options {
+    std::string filter = "lidar_odometry";  ///< name of the filter's node or nodelet
+    double rate = 0.0;                      ///< times real time; 0: as fast as the filter takes it
+    double patience = 30.0;                 ///< how long to wait for the filter [s]
+    std::uint64_t laps = 1;                 ///< how often the bags are played, see BagLaps
+  };
+
+  /// Throws BagError or std::runtime_error with a sentence.
+  BagPlayer(const std::vector<std::string>& bags, const Options& options);
 
   /// Plays everything, has the filter write its results and throws std::runtime_error with a sentence if they are
   /// not complete. Returns early, without an error, if ROS shuts down.
@@ -45,7 +51,7 @@ class BagPlayer {
   bool filter_subscribes(const std::string& topic);
 
   ros::NodeHandle handle_;
-  BagSource bags_;
+  BagLaps laps_;
   std::vector<std::string> files_;
   std::string filter_;
   double rate_;

@@ -15,7 +15,9 @@
 
 namespace allan_lio {
 
-/// ~status after every scan, and /diagnostics every ~diagnostic_period, which go on when the sensors are silent.
+/// ~status after every scan, and /diagnostics every ~diagnostic_period, which go on when the sensors are silent. The
+/// latter is global, not ~diagnostics: there REP 107 and the aggregators look for it, and each robot's names tell
+/// whose.
 class LioMonitor {
  public:
   /// `session` must outlive this.
