@@ -15,7 +15,9 @@ SIGMAS = 3.0
 LAG = 1.0  # from a scan's end to its status, by the clock of the data [s]; 0.4 s are under way by design
 DRIFT = 0.0002  # of the distance walked, which the largest error of the position may be...
 DRIFT_FLOOR = 0.05  # ... or this, if it is more [m]
-IMU_START = 250  # messages of the IMU before the filter has started, on a second of standstill
+# Messages of the IMU before the first state has reached the propagation: a second of standstill, a scan of 0.1 s, and
+# the 0.4 s that are under way by design, at 200 Hz. Whatever is lost later is counted apart.
+IMU_START = 300
 PER_SCAN = ("/lidar_odometry/odometry", "/lidar_odometry/state", "/lidar_odometry/status")
 # What is for display has a queue of a few messages: a listener that is slower than the run gets the newest.
 DISPLAYS = ("/lidar_odometry/path", "/lidar_odometry/points", "/lidar_odometry/map")
