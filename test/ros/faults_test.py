@@ -4,8 +4,10 @@
 """The faults of doc/faults.md through the nodelets of the shipped launch file: the same results as lio_offline's, to
 the bit, so what the tests of test/pipeline/faults_*_test.cpp hold of that one holds here; nothing NaN is published; and
 whatever ends the filter, its files are whole."""
+import fcntl
 import math
 import os
+import select
 import shutil
 import signal
 import subprocess
@@ -24,6 +26,9 @@ TIME_LIMIT = 60.0  # [s] for any program; all of them take a few seconds
 # The faults that don't disturb each other.
 DATA_FAULTS = ['points_invalid', 'scans_empty', 'scans_thin', 'scans_lie', 'imu_repeated', 'imu_backward',
                'imu_from_the_future', 'lidar_repeated', 'lidar_backward', 'imu_senseless', 'imu_gap_bridged']
+F_SETPIPE_SZ = 1031  # Linux; in Python's fcntl from 3.10 on
+ROOM_OF_A_ROW = 200  # [bytes] at least, of trajectory.tum
+A_WHILE = 2.0  # [s]
 SILENCES = ['imu_gap_long', 'lidar_gap_long']
 
 
@@ -222,6 +227,50 @@ class Faults(unittest.TestCase):
         for delay in (0.2, 0.71):
             self.interrupt('unload_{}'.format(delay), self.start_nodelet,
                            lambda processes: processes[1].send_signal(signal.SIGINT), delay)
+
+    def test_a_signal_in_the_midst_of_a_callback_leaves_whole_files(self):
+        # The trajectory is a pipe with room for its first row: the callback that writes the next ones, a second of data
+        # later, stands still until somebody reads. By then the manager has let go of the nodelet: only the nodelet's
+        # callback queue keeps it alive.
+        out = os.path.join(self.directory, 'midst')
+        trajectory = os.path.join(out, 'trajectory.tum')
+        os.makedirs(out)
+        os.mkfifo(trajectory)
+        pipe = os.open(trajectory, os.O_RDWR | os.O_NONBLOCK)
+        filler = b'x' * (fcntl.fcntl(pipe, F_SETPIPE_SZ, 4096) - ROOM_OF_A_ROW)
+        os.write(pipe, filler)
+        seen = []
+        subscriber = rospy.Subscriber('/filter/state', State, seen.append, queue_size=1000)
+        stamps = [float(row.split()[0]) for row in read(self.good, 'trajectory.tum').splitlines()]
+        last_before = max(t for t in stamps if t < stamps[0] + 1.0)
+
+        processes = self.start_nodelet(out)
+        manager = processes[0]
+        processes.append(self.start('rosrun', 'allan_lio', 'play_bag', self.bag, '--rate', '4', '--filter', 'filter'))
+        try:
+            until = time.time() + TIME_LIMIT
+            while time.time() < until and not (seen and seen[-1].header.stamp.to_sec() > last_before - 1e-3):
+                time.sleep(0.02)
+            time.sleep(A_WHILE)  # the next scan's callback begins
+            manager.send_signal(signal.SIGTERM)
+            time.sleep(A_WHILE)  # the manager has come to delete its nodelets
+            self.assertIsNone(manager.poll())
+            written = b''
+            while time.time() < until and (manager.poll() is None or select.select([pipe], [], [], 0.0)[0]):
+                if select.select([pipe], [], [], 0.02)[0]:
+                    written += os.read(pipe, 65536)
+        finally:
+            subscriber.unregister()
+            os.close(pipe)
+            for process in processes:
+                process.terminate()
+                process.wait(TIME_LIMIT)
+        self.assertEqual(manager.returncode, 0)
+        os.remove(trajectory)
+        with open(trajectory, 'wb') as file:
+            file.write(written[len(filler):])
+        self.expect_whole(out)
+        self.assertGreater(len(written), len(filler) + 2 * ROOM_OF_A_ROW, 'no callback stood still')
 
 
 if __name__ == '__main__':
