@@ -25,7 +25,9 @@
 namespace allan_lio {
 
 /// The filter as a ROS node: what the node and the nodelet have in common. Its callbacks must not run at the same
-/// time, as they don't in a node that spins in one thread and in a nodelet's single-threaded queue.
+/// time, as they don't in a node that spins in one thread and in a nodelet's single-threaded queue. The latter also
+/// calls nothing before onInit() is done, and holds the nodelet while it calls: whoever lets go of it meanwhile, it is
+/// deleted after the callback.
 class LioWrapper {
  public:
   /// Throws ConfigError, or std::runtime_error if ~out cannot be written.
