@@ -18,7 +18,8 @@ double incomplete_gamma(double a, double x) {
   if (x <= 0.0) return 0.0;
   constexpr int kMost = 100000;
   constexpr double kEnough = 1e-16;
-  const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
+  int sign = 0;  // std::lgamma would keep it in a global, which two threads must not write
+  const double front = std::exp(a * std::log(x) - x - lgamma_r(a, &sign));
   if (x < a + 1.0) {
     double term = 1.0 / a, sum = term;
     for (int n = 1; n < kMost && term > kEnough * sum; ++n) sum += term *= x / (a + n);
