@@ -60,7 +60,7 @@ double add_residual(const Context& context, const Eigen::Vector3d& q, const Plan
   const PoseMatrix product = weighed * row.transpose();
   information += product;
   sum.gradient.head<6>() -= z * weighed;
-  sum.plane_scatter += (weight * sharing * (noise.plane + noise.lean)) * product;
+  sum.plane_scatter += (weight * sharing * (noise.plane + noise.lean / ResidualNoise::kLooks)) * product;
   sum.feigned.noalias() += weight * lean_1 * lean_1.transpose();
   sum.feigned.noalias() += weight * lean_2 * lean_2.transpose();
   sum.squared_range += q.squaredNorm();
