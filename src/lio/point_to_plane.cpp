@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "allan_lio/lio/drift.h"
 #include "allan_lio/math/so3.h"
 
 namespace allan_lio {
@@ -107,14 +108,19 @@ void NormalEquations::add(const NormalEquations& other) {
   inliers += other.inliers;
 }
 
-void PointToPlane::match(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state, const VoxelMap& map) {
+void PointToPlane::match(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state, const VoxelMap& map,
+                         const OldPlanes& old_planes) {
   planes_.resize(points_imu.size());
   scratch_.resize(points_imu.size());
   const Eigen::Matrix3d rotation = state.nav.T_world_imu.rotation.toRotationMatrix();
   const Eigen::Vector3d& translation = state.nav.T_world_imu.translation;
   pool_.run(points_imu.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      planes_[i] = map.find(rotation * points_imu[i].cast<double>() + translation, scratch_[i]);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Eigen::Vector3d point = rotation * points_imu[i].cast<double>() + translation;
+      planes_[i] = map.find(point, scratch_[i]);
+      if (old_planes.reach == 0.0 || (planes_[i] && planes_[i]->epoch <= old_planes.last_epoch)) continue;
+      if (const Plane* old = map.find_old(point, translation, old_planes)) planes_[i] = old;
+    }
   });
 }
 
@@ -130,7 +136,7 @@ void PointToPlane::count_groups() {
 NormalEquations PointToPlane::linearize(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
                                         const ScanUncertainty& uncertainty, const VoxelMap& map,
                                         const ResidualOptions& options, const std::vector<std::uint32_t>& last_epochs) {
-  match(points_imu, state, map);
+  match(points_imu, state, map, old_planes(uncertainty.parts, last_epochs));
   count_groups();
   const Context context(state, uncertainty, options);
   const std::size_t blocks = TaskPool::blocks(points_imu.size()), parts = std::max<std::size_t>(1, last_epochs.size());

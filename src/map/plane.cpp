@@ -26,6 +26,15 @@ double expected_variance(const PlaneSums& sums, const Eigen::Vector3d& normal, d
   return point_variance * std::max(squared_cosine, kLeastSquaredCosine);
 }
 
+/// The largest axis of the beams' products, by two steps of power iteration: they lie within some degrees.
+Eigen::Vector3d main_beam(const PlaneSums& sums) {
+  if (sums.beams.isZero()) return Eigen::Vector3d::Zero();
+  const Eigen::Matrix3d beams = matrix_of(sums.beams);
+  int largest = 0;
+  beams.diagonal().maxCoeff(&largest);
+  return (beams * (beams * beams.col(largest))).normalized();
+}
+
 }  // namespace
 
 bool fit_plane(const PlaneSums& sums, const Eigen::Vector3d& origin, const PlaneLimits& limits, Plane& plane) {
@@ -58,6 +67,8 @@ bool fit_plane(const PlaneSums& sums, const Eigen::Vector3d& origin, const Plane
   plane.lean_2 = lean_2 * solver.eigenvectors().col(1);
   plane.thickness = thickness;
   plane.center_variance = center_variance;
+  plane.width = std::sqrt(12.0 * spread[1]);  // of an even strip
+  plane.view = main_beam(sums);
   return true;
 }
 

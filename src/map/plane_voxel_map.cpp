@@ -5,6 +5,7 @@
 
 #include "allan_lio/map/voxel_map.h"
 #include "allan_lio/map/voxel_store.h"
+#include "plane_voxel.h"
 
 namespace allan_lio {
 namespace {
@@ -22,17 +23,6 @@ constexpr double kMaxStructure = 0.06;      ///< of the edge
 constexpr double kLeastAspect = 3.0;
 constexpr std::uint32_t kMinPoints = 8;
 constexpr std::uint32_t kMaxIndependent = 100;
-
-struct PlaneVoxel {
-  VoxelCoordinates coordinates{};
-  std::uint32_t fitted_at = 0;  ///< count at the last fit
-  double epochs = 0.0;          ///< sum over the points
-  bool is_plane = false;
-  bool is_divided = false;  ///< there is a second voxel at the same place
-  bool is_touched = false;
-  PlaneSums sums;  ///< about the voxel's center
-  Plane plane;
-};
 
 class PlaneVoxelMap : public VoxelMap {
  public:
@@ -66,6 +56,11 @@ class PlaneVoxelMap : public VoxelMap {
     if (!beside || !belongs(point, *beside)) return plane;
     const double cosine = beside->normal.dot(plane->normal);
     return cosine * cosine >= kSameSurface ? beside : plane;
+  }
+
+  const Plane* find_old(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor,
+                        const OldPlanes& old_planes) const override {
+    return find_old_plane(store_, point, sensor, old_planes);
   }
 
   void clear() override { store_.clear(); }
@@ -152,6 +147,7 @@ class PlaneVoxelMap : public VoxelMap {
     if (10 * voxel.sums.count < 11 * voxel.fitted_at) return;
     voxel.fitted_at = voxel.sums.count;
     voxel.is_plane = fit_plane(voxel.sums, store_.voxel_center(voxel.coordinates), limits_, voxel.plane);
+    if (voxel.plane.view.dot(voxel.plane.center - sensor_) < 0.0) voxel.plane.view = -voxel.plane.view;
     voxel.plane.group = i;
     voxel.plane.epoch = static_cast<std::uint32_t>(voxel.epochs / voxel.sums.count);
   }

@@ -73,7 +73,8 @@ class PointToPlane {
                             const PoseVector& direction) const;
 
  private:
-  void match(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state, const VoxelMap& map);
+  void match(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state, const VoxelMap& map,
+             const OldPlanes& old_planes);
   void count_groups();
   /// Number of points on the i-th point's plane.
   double sharing(std::size_t i) const {

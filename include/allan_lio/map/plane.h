@@ -17,6 +17,9 @@ struct Plane {
   Eigen::Vector3d lean_2 = Eigen::Vector3d::Zero();
   double thickness = 0.0;        ///< variance of the points about the plane [m^2]
   double center_variance = 0.0;  ///< variance of the center along the normal [m^2]
+  double width = 0.0;            ///< of the points along the shorter axis in the plane [m]
+  /// Main direction of the beams that saw the points, unit, world, away from the sensor; zero if unknown.
+  Eigen::Vector3d view = Eigen::Vector3d::Zero();
   /// Number of the voxel whose plane it is, so that residuals that share its errors are told; kNoGroup: none.
   std::uint32_t group = kNoGroup;
   std::uint32_t epoch = 0;  ///< of its points, on average; as given to VoxelMap::insert()
@@ -79,7 +82,8 @@ struct PlaneLimits {
   std::uint32_t max_independent;  ///< more points than this are not taken for more information: they share poses
 };
 
-/// Fits the plane; false if the points do not make one within the limits. `origin` is what the sums are about.
+/// Fits the plane; false if the points do not make one within the limits. `origin` is what the sums are about. The
+/// view's sign is left to the caller.
 bool fit_plane(const PlaneSums& sums, const Eigen::Vector3d& origin, const PlaneLimits& limits, Plane& plane);
 
 }  // namespace allan_lio

@@ -19,6 +19,12 @@ struct VoxelMapOptions {
   double max_mb;       ///< hard cap [MB = 1e6 bytes]
 };
 
+/// What a run that has drifted looks for around its points: planes from before.
+struct OldPlanes {
+  double reach = 0.0;            ///< how far aside they may lie [m]; 0: there are none to look for
+  std::uint32_t last_epoch = 0;  ///< of the planes from before
+};
+
 /// Local map: hashed voxels, bounded in memory, the same for the same sequence of calls.
 class VoxelMap {
  public:
@@ -32,6 +38,15 @@ class VoxelMap {
   /// The plane that a point is to be compared with, or null. It lies in the map or in `scratch`.
   /// Safe to call from several threads.
   virtual const Plane* find(const Eigen::Vector3d& point, Plane& scratch) const = 0;
+
+  /// The nearest of the old planes within reach of a point that `sensor` sees [m, world], or null. Only one whose
+  /// voxel the point's foot lies in, that was seen from the same side, and, where it is narrow, from about the same
+  /// direction: from another one a pillar shows another surface. A map that keeps no planes finds none.
+  /// Safe to call from several threads.
+  virtual const Plane* find_old(const Eigen::Vector3d& /*point*/, const Eigen::Vector3d& /*sensor*/,
+                                const OldPlanes& /*old_planes*/) const {
+    return nullptr;
+  }
 
   virtual void clear() = 0;
   virtual std::size_t voxels() const = 0;

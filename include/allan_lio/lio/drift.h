@@ -1,0 +1,18 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "allan_lio/lio/lio_result.h"
+#include "allan_lio/map/voxel_map.h"
+
+namespace allan_lio {
+
+/// What to look for beside the points, by the covariances of the pose against the parts of the map, which end at these
+/// epochs (ascending): the parts that the run has drifted off by more than a decimetre lie aside by up to three sigma.
+/// Without that a run comes back beside its own walls, makes new ones there and stays.
+OldPlanes old_planes(const std::vector<PoseMatrix>& against_parts, const std::vector<std::uint32_t>& last_epochs);
+
+}  // namespace allan_lio

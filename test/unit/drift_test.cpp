@@ -1,0 +1,96 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/lio/drift.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "allan_lio/lio/iterated_update.h"
+#include "allan_lio/lio/point_to_plane.h"
+
+namespace allan_lio {
+namespace {
+
+constexpr double kNoise = 0.02;  // [m]
+const VoxelMapOptions kOptions{0.5, kNoise, 50.0, 100.0};
+constexpr std::uint32_t kOld = 3, kYoung = 20;
+const OldPlanes kLookFor{0.6, 5};
+
+/// Even points on the wall x = `at`, y and z within `half` of 0.
+std::vector<Eigen::Vector3d> wall(double at, double half, int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> along(-half, half);
+  std::normal_distribution<double> noise(0.0, kNoise);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < count; ++i) points.push_back({at + noise(random), along(random), along(random)});
+  return points;
+}
+
+PoseMatrix position_covariance(double sigma) {
+  PoseMatrix out = 1e-8 * PoseMatrix::Identity();
+  out.bottomRightCorner<3, 3>() *= 1e8 * sigma * sigma;
+  return out;
+}
+
+TEST(OldPlanes, AreThoseOfThePartsThatTheRunHasDriftedOff) {
+  const std::vector<PoseMatrix> parts{position_covariance(0.3), position_covariance(0.2), position_covariance(0.01)};
+  const OldPlanes found = old_planes(parts, {5, 9, 14});
+  EXPECT_EQ(found.last_epoch, 9U);
+  EXPECT_NEAR(found.reach, 0.9, 1e-9) << "three sigma of the farthest";
+  EXPECT_EQ(old_planes({position_covariance(0.05)}, {5}).reach, 0.0) << "half a decimetre finds back by itself";
+  EXPECT_EQ(old_planes({}, {}).reach, 0.0);
+}
+
+TEST(OldPlanes, AreFoundBesideAPointWhoseOwnVoxelIsEmpty) {
+  const auto map = make_plane_voxel_map(kOptions);
+  map->insert(wall(2.25, 3.0, 40000, 1), Eigen::Vector3d::Zero(), kOld);
+  const Eigen::Vector3d beside(2.65, 0.2, 0.2), sensor = Eigen::Vector3d::Zero();
+  Plane scratch;
+  ASSERT_EQ(map->find(beside, scratch), nullptr);
+  const Plane* plane = map->find_old(beside, sensor, kLookFor);
+  ASSERT_NE(plane, nullptr);
+  EXPECT_NEAR(std::abs(plane->distance(beside)), 0.4, 0.01);
+  EXPECT_EQ(map->find_old(beside, sensor, {0.3, 5}), nullptr) << "out of reach";
+  EXPECT_EQ(map->find_old(beside, {5, 0, 0}, kLookFor), nullptr) << "that is the wall's other side";
+  EXPECT_EQ(map->find_old(beside, sensor, {0.6, 2}), nullptr) << "too young";
+}
+
+TEST(OldPlanes, ANarrowOneIsKnownOnlyFromWhereItWasSeen) {
+  const auto map = make_plane_voxel_map(kOptions);
+  std::vector<Eigen::Vector3d> strip = wall(2.25, 0.19, 400, 2);
+  for (Eigen::Vector3d& p : strip) p += Eigen::Vector3d(0.0, 0.25, 0.25);  // into the middle of a voxel
+  map->insert(strip, {-8.0, 0.0, 0.0}, kOld);
+  const Eigen::Vector3d beside(2.4, 0.2, 0.2);
+  EXPECT_NE(map->find_old(beside, {-6.0, 2.0, 0.0}, kLookFor), nullptr);
+  EXPECT_EQ(map->find_old(beside, {-3.0, 8.0, 0.0}, kLookFor), nullptr) << "56 deg off; a pillar shows another surface";
+}
+
+TEST(OldPlanes, ArePreferredToTheYoungOnesOfARunThatCameBackAside) {
+  // The wall stands at 2.25 m. The run is 0.3 m off, 1.5 sigma of what it knows of itself, and has begun to make the
+  // wall again where it sees it now.
+  constexpr double kAside = 0.3;
+  const auto map = make_plane_voxel_map(kOptions);
+  map->insert(wall(2.25, 3.0, 40000, 1), Eigen::Vector3d::Zero(), kOld);
+  map->insert(wall(2.25 + kAside, 3.0, 40000, 3), {kAside, 0.0, 0.0}, kYoung);
+  LioState state;
+  state.nav.T_world_imu.translation = {kAside, 0.0, 0.0};
+  std::vector<Eigen::Vector3f> points;
+  for (const Eigen::Vector3d& p : wall(2.25, 2.0, 500, 4)) points.push_back(p.cast<float>());
+  ScanUncertainty uncertainty;
+  uncertainty.pose = position_covariance(0.002);
+  const std::vector<std::uint32_t> last_epochs{5, 25};
+  const ResidualOptions options{kNoise * kNoise, 3.0, 1e9, false};
+  TaskPool pool(1);
+  PointToPlane residuals(pool);
+  const auto shift = [&](double sigma) {
+    uncertainty.parts = {position_covariance(sigma), position_covariance(0.002)};
+    const NormalEquations sum = residuals.linearize(points, state, uncertainty, *map, options, last_epochs);
+    return sum.gradient[3] / sum.information(3, 3);
+  };
+  EXPECT_NEAR(shift(0.2), -kAside, 0.01);
+  EXPECT_NEAR(shift(0.05), 0.0, 0.03) << "who has not drifted is where the nearest wall says";
+}
+
+}  // namespace
+}  // namespace allan_lio
