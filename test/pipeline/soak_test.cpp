@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -34,14 +35,19 @@ class SoakTest : public ::testing::Test {
                        arguments);
   }
 
-  /// The line of the table that is broken when `file` of the run is changed.
-  static std::string broken_by(const std::string& file, const std::function<std::string(std::string)>& change) {
+  /// The run as it is judged when `file` of it is changed.
+  static Outcome judged_with(const std::string& file, const std::function<std::string(std::string)>& change) {
     const std::string copy = directory_->file("changed");
     fs::remove_all(copy);
     fs::copy(directory_->file("run"), copy, fs::copy_options::recursive);
     const std::string changed = change(contents_of(copy + "/" + file));
     std::ofstream(copy + "/" + file) << changed;
-    const Outcome judged = bench("--judge --warm-up 60 --out " + copy);
+    return bench("--judge --warm-up 60 --out " + copy);
+  }
+
+  /// The line of the table that is broken when `file` of the run is changed.
+  static std::string broken_by(const std::string& file, const std::function<std::string(std::string)>& change) {
+    const Outcome judged = judged_with(file, change);
     EXPECT_NE(judged.status, 0) << file;
     std::istringstream lines(judged.text);
     for (std::string line; std::getline(lines, line);)
@@ -56,7 +62,7 @@ class SoakTest : public ::testing::Test {
 std::unique_ptr<TemporaryDirectory> SoakTest::directory_;
 Outcome SoakTest::outcome_;
 
-/// A number of every row of a CSV as a function of the row's first one.
+/// A column of a CSV's rows as a function of their first one.
 std::string with_column(const std::string& csv, int column, const std::function<double(double)>& value) {
   std::istringstream in(csv);
   std::ostringstream out;
@@ -117,6 +123,21 @@ TEST_F(SoakTest, EveryLimitCanBreak) {
             std::string::npos);
   EXPECT_NE(broken_by("imu_answers.csv", [](const std::string&) { return "superseded,lost\n0,1\n"; }).find("answer"),
             std::string::npos);
+}
+
+/// 80 s of a swing of two megabytes look like 90 MB/h, by four times the error of the fit: no finding. Ten megabytes
+/// are.
+TEST_F(SoakTest, AShortRunsSwingIsNotTakenForGrowth) {
+  ASSERT_EQ(outcome_.status, 0) << outcome_.text;
+  const auto rising_by = [](double rise) {
+    return [rise](const std::string& csv) {
+      return with_column(csv, 2, [rise](double t) { return 54.6 + (t > 100.0 ? rise : 0.0) + 0.1 * std::sin(t); });
+    };
+  };
+  const Outcome swing = judged_with("soak.csv", rising_by(2.0));
+  EXPECT_EQ(swing.status, 0) << swing.text;
+  EXPECT_NE(swing.text.find("too short a run to show it | ok"), std::string::npos) << swing.text;
+  EXPECT_NE(broken_by("soak.csv", rising_by(10.0)).find("RSS"), std::string::npos);
 }
 
 TEST_F(SoakTest, ATrajectoryThatRunsAwayIsSeen) {
