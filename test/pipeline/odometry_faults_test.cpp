@@ -140,7 +140,8 @@ TEST(OdometryFaults, TheLongestSilenceThatIsBridgedIsTheConfigurations) {
       [](ImuSample& s) { return !in_gap(s.stamp); });
   EXPECT_EQ(run.counters.starts_in_place, 0u);
   // Of 5.5 m that it may have gone in the meantime; the map is found again, with a caution that lasts for seconds.
-  EXPECT_LT(strayed(run.results.back()), 0.1);
+  EXPECT_LT(strayed(run.results.back()), 0.06)
+      << "0.075 where the leans' part of the view's error is taken for all looks";
   EXPECT_LT(strayed(run.results.back()), 3.0 * position_sigma(run.results.back()));
 }
 

@@ -14,7 +14,7 @@ import rospy
 import rostest
 from sensor_msgs.msg import LaserScan
 
-TIME_LIMIT = 300  # [s]; a sanitized build takes long
+TIME_LIMIT = 60 * float(os.environ.get('ALLAN_LIO_SLOWER', 1))  # [s], of an ordinary build; scripts/test raises it for sanitized ones
 LIVOX_TYPE = 'livox_ros_driver/CustomMsg'
 LIVOX_MD5SUM = 'e4d6829bdfe657cb6c21a746c86b21a6'
 LIVOX_DEFINITION = """std_msgs/Header header

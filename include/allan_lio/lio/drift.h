@@ -10,9 +10,10 @@
 
 namespace allan_lio {
 
-/// What to look for beside the points, by the covariances of the pose against the parts of the map, which end at these
-/// epochs (ascending): the parts that the run has drifted off by more than a decimetre lie aside by up to three sigma.
-/// Without that a run comes back beside its own walls, makes new ones there and stays.
+/// What to look for beside the points, by the covariances of the pose (rotation [rad], translation [m]) against the
+/// parts of the map, which end at these epochs (ascending; as many): the parts that the run has drifted off by more
+/// than a decimetre lie aside by up to three sigma. Without that a run comes back beside its own walls, makes new ones
+/// there and stays.
 OldPlanes old_planes(const std::vector<PoseMatrix>& against_parts, const std::vector<std::uint32_t>& last_epochs);
 
 }  // namespace allan_lio

@@ -39,9 +39,9 @@ class VoxelMap {
   /// Safe to call from several threads.
   virtual const Plane* find(const Eigen::Vector3d& point, Plane& scratch) const = 0;
 
-  /// The nearest of the old planes within reach of a point that `sensor` sees [m, world], or null. Only one whose
-  /// voxel the point's foot lies in, that was seen from the same side, and, where it is narrow, from about the same
-  /// direction: from another one a pillar shows another surface. A map that keeps no planes finds none.
+  /// The nearest of the old planes within reach of a point that `sensor` sees [m, world], or null. Only one at most a
+  /// voxel aside, whose voxel the point's foot lies in, that was seen from the same side, and, where it is narrow, from
+  /// about the same direction: from another one a pillar shows another surface. A map that keeps no planes finds none.
   /// Safe to call from several threads.
   virtual const Plane* find_old(const Eigen::Vector3d& /*point*/, const Eigen::Vector3d& /*sensor*/,
                                 const OldPlanes& /*old_planes*/) const {
