@@ -302,6 +302,10 @@ void declare_parameters(ParameterVisitor& v, LioConfig& c) {
   declare_frames(v, c.frames);
   v.integer({"threads", "1", "Threads of the registration. The result does not depend on it."}, c.threads, 1,
             Range::between(1, 64));
+  v.integer({"realtime_priority", "1",
+             "Real-time priority (SCHED_FIFO) of the thread that propagates at the rate of the IMU and of the one that "
+             "reads its socket, where the system allows it; 0: none."},
+            c.realtime_priority, 1, Range::between(0, 99));
 }
 
 }  // namespace allan_lio

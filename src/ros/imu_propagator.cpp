@@ -16,6 +16,7 @@ namespace {
 constexpr double kTfPatience = 10.0;  // [s]
 constexpr int kImuQueue = 4000;
 constexpr int kStateQueue = 20;
+const ros::WallDuration kLook(0.1);               // for the end
 constexpr TimeNs kBackInTime = 1 * kNsPerSecond;  // a step back of this much is a new recording, not a late sample
 
 }  // namespace
@@ -24,11 +25,28 @@ ImuPropagator::ImuPropagator(ros::NodeHandle handle, ros::NodeHandle private_han
     : config_(read_node_parameters(private_handle).config),
       T_base_imu_(resolve_extrinsics(config_, kTfPatience)),
       propagator_(config_.imu.discretization),
-      odometry_(handle.advertise<nav_msgs::Odometry>("imu_odometry", 1000)) {
+      odometry_(handle.advertise<nav_msgs::Odometry>("imu_odometry", 1000)),
+      poll_priority_(config_.realtime_priority) {
   show_in_force(private_handle, config_);
+  handle.setCallbackQueue(&queue_);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   state_subscriber_ = handle.subscribe("state", kStateQueue, &ImuPropagator::on_state, this, hints);
   imu_subscriber_ = handle.subscribe(config_.topics.imu, kImuQueue, &ImuPropagator::on_imu, this, hints);
+  thread_ = std::thread(&ImuPropagator::spin, this);
+}
+
+ImuPropagator::~ImuPropagator() {
+  ended_ = true;
+  thread_.join();
+}
+
+void ImuPropagator::spin() {
+  const std::string hindered = set_thread_priority(0, config_.realtime_priority);
+  if (!hindered.empty())
+    ROS_WARN_STREAM("no real-time priority " << config_.realtime_priority << " (" << hindered
+                                             << "): odometry at the rate of the IMU may wait some ms for a core; allow "
+                                                "it by RLIMIT_RTPRIO, or set realtime_priority: 0");
+  while (!ended_) queue_.callAvailable(kLook);
 }
 
 void ImuPropagator::on_state(const StateConstPtr& message) {

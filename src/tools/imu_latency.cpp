@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "allan_lio/ros/bag_source.h"
+#include "allan_lio/ros/thread_priority.h"
 
 namespace {
 
@@ -27,6 +28,7 @@ using allan_lio::BagMessage;
 
 constexpr double kConnect = 30.0;   // [s] until both nodelets listen
 constexpr double kTail = 0.5;       // [s] to wait for the last answers
+constexpr int kPriority = 2;        // real-time, of what times
 constexpr double kHeadStart = 1.0;  // [s] between the agreement to begin and the first message
 
 /// When each IMU message went out, and how long after it the odometry of its stamp came in. Safe to call from threads.
@@ -163,6 +165,9 @@ int main(int argc, char** argv) {
       be_the_lidar(options, pipe_ends[1]);
       return 0;
     }
+    // What is to be waited for is the nodelet, not the clock that times it.
+    const std::string hindered = allan_lio::set_thread_priority(0, kPriority);
+    if (!hindered.empty()) std::cerr << "imu_latency: timed without real-time priority: " << hindered << '\n';
     ros::init(argc, argv, "imu_latency");
     const std::vector<double> delays = measure(options, pipe_ends[0]);
     waitpid(lidar, nullptr, 0);

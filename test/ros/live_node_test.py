@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+import xmlrpc.client
 
 import dynamic_reconfigure.client
 import rospy
@@ -69,6 +70,17 @@ def position(odometry):
 def level_of(status):
     """A byte in some versions of the message."""
     return ord(status.level) if isinstance(status.level, bytes) else status.level
+
+
+def real_time_threads(pid):
+    """The priorities of a process's threads under SCHED_FIFO."""
+    threads = [int(thread) for thread in os.listdir('/proc/{}/task'.format(pid))]
+    return [os.sched_getparam(t).sched_priority for t in threads if os.sched_getscheduler(t) == os.SCHED_FIFO]
+
+
+def real_time_is_allowed():
+    asks = 'import os; os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))'
+    return run('/usr/bin/python3', '-c', asks).returncode == 0
 
 
 class Recorder:
@@ -237,6 +249,18 @@ class LiveNode(unittest.TestCase):
         self.assertIn('follows', report.message)
         self.assertIn('CPU per scan [ms]', [v.key for v in report.values])
         end()
+
+    def test_the_way_of_an_imu_message_has_real_time_priority_and_a_scan_has_not(self):
+        odometry = Recorder('/imu_odometry', Odometry)
+        self.launch()
+        odometry.wait(1)
+        manager = rospy.get_master().lookupNode('/lio_manager')[2]
+        pid = xmlrpc.client.ServerProxy(manager).getPid('/live_node')[2]
+        # The thread that propagates, and the one that reads the sockets.
+        self.assertEqual(real_time_threads(pid), [1, 1] if real_time_is_allowed() else [])
+        unloaded = run('rosrun', 'nodelet', 'nodelet', 'unload', '/imu_propagation', '/lio_manager')
+        self.assertEqual(unloaded.returncode, 0, unloaded.stdout)
+        self.assertEqual(real_time_threads(pid), [])
 
     def test_two_robots_share_a_manager_and_nothing_else_and_a_bag_played_again_starts_them_again(self):
         file = os.path.join(self.directory, 'two.launch')

@@ -93,6 +93,7 @@ struct LioConfig {
   } frames;
 
   int threads;
+  int realtime_priority;
 };
 
 /// The one declaration of every parameter: key, default, unit, range and sentence.

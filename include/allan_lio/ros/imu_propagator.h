@@ -3,25 +3,34 @@
 #pragma once
 
 #include <allan_lio/State.h>
+#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <ros/subscriber.h>
 #include <sensor_msgs/Imu.h>
 
+#include <atomic>
+#include <thread>
+
 #include "allan_lio/imu/state_propagator.h"
 #include "allan_lio/ros/param_source.h"
+#include "allan_lio/ros/thread_priority.h"
 
 namespace allan_lio {
 
 /// Odometry at the rate of the IMU as a ROS node: what the node and the nodelet have in common. Takes the filter's
-/// `state` and the IMU's topic of the configuration, and publishes `imu_odometry` with covariances. Its callbacks
-/// must not run at the same time.
+/// `state` and the IMU's topic of the configuration, and publishes `imu_odometry` with covariances. Its callbacks run
+/// in a thread of its own with `realtime_priority`, so that a message waits neither for a scan nor for a worker.
 class ImuPropagator {
  public:
   /// Throws ConfigError.
   ImuPropagator(ros::NodeHandle handle, ros::NodeHandle private_handle);
+  ~ImuPropagator();
+  ImuPropagator(const ImuPropagator&) = delete;
+  ImuPropagator& operator=(const ImuPropagator&) = delete;
 
  private:
+  void spin();
   void on_state(const StateConstPtr& message);
   void on_imu(const sensor_msgs::ImuConstPtr& message);
 
@@ -31,8 +40,11 @@ class ImuPropagator {
   double sample_interval_ = 0.0;  ///< between the last two samples [s]
   TimeNs last_imu_ = 0;
   ros::Publisher odometry_;
-  // Last, so that no callback comes before the rest is there or after it has gone.
-  ros::Subscriber state_subscriber_, imu_subscriber_;
+  ros::CallbackQueue queue_;
+  ros::Subscriber state_subscriber_, imu_subscriber_;  // after the queue that they fill
+  PollThreadPriority poll_priority_;
+  std::atomic<bool> ended_{false};
+  std::thread thread_;  // last: no callback before the rest is there
 };
 
 }  // namespace allan_lio

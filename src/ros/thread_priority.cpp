@@ -1,0 +1,37 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/ros/thread_priority.h"
+
+#include <sched.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
+namespace allan_lio {
+
+std::string set_thread_priority(pid_t thread, int priority) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  if (sched_setscheduler(thread, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &parameters) == 0) return "";
+  return std::generic_category().message(errno);
+}
+
+PollThreadPriority::PollThreadPriority(int priority) : priority_(priority) {
+  if (priority_ > 0) listener_ = ros::PollManager::instance()->addPollThreadListener([this] { on_poll(); });
+}
+
+PollThreadPriority::~PollThreadPriority() {
+  if (priority_ == 0) return;
+  ros::PollManager::instance()->removePollThreadListener(listener_);  // waits for a call that is under way
+  if (thread_ != 0) set_thread_priority(thread_, 0);
+}
+
+void PollThreadPriority::on_poll() {
+  if (thread_ != 0) return;
+  thread_ = static_cast<pid_t>(syscall(SYS_gettid));
+  set_thread_priority(thread_, priority_);
+}
+
+}  // namespace allan_lio

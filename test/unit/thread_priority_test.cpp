@@ -1,0 +1,46 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/ros/thread_priority.h"
+
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <thread>
+
+namespace allan_lio {
+namespace {
+
+constexpr uid_t kNobody = 65534;
+
+TEST(ThreadPriority, IsRealTimeUntilItIsTakenBack) {
+  std::thread([] {
+    const std::string hindered = set_thread_priority(0, 3);
+    if (!hindered.empty()) GTEST_SKIP() << hindered;
+    sched_param parameters{};
+    EXPECT_EQ(sched_getscheduler(0), SCHED_FIFO);
+    EXPECT_EQ(sched_getparam(0, &parameters), 0);
+    EXPECT_EQ(parameters.sched_priority, 3);
+    EXPECT_EQ(set_thread_priority(0, 0), "");
+    EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER);
+  }).join();
+  EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER);
+}
+
+TEST(ThreadPriority, SaysWhatHinders) {
+  EXPECT_EQ(set_thread_priority(0, 100), "Invalid argument");
+  const pid_t child = fork();
+  if (child == 0) {
+    const rlimit none{0, 0};
+    const bool may_not = setrlimit(RLIMIT_RTPRIO, &none) == 0 && (getuid() != 0 || setuid(kNobody) == 0);
+    _exit(may_not && set_thread_priority(0, 1) == "Operation not permitted" ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+}
+
+}  // namespace
+}  // namespace allan_lio
