@@ -3,8 +3,8 @@
 #include "allan_lio/io/known_keys.h"
 
 #include <algorithm>
-#include <numeric>
 
+#include "allan_lio/io/edit_distance.h"
 #include "allan_lio/io/parameter_list.h"
 
 namespace allan_lio {
@@ -25,27 +25,10 @@ std::vector<std::string> known_keys() {
   return keys;
 }
 
-/// Levenshtein's distance: insertions, deletions and replacements of one character.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
-
 std::string nearest(const std::string& key, const std::vector<std::string>& keys) {
-  constexpr std::size_t kCompared = 200;  // [characters] no key is as long; of a damaged file one may be megabytes
-  const std::string begin = key.substr(0, kCompared);
+  const EditDistance distance(key);
   std::vector<std::size_t> distances;
-  for (const std::string& known : keys) distances.push_back(edit_distance(begin, known));
+  for (const std::string& known : keys) distances.push_back(distance.to(known));
   return keys[static_cast<std::size_t>(std::min_element(distances.begin(), distances.end()) - distances.begin())];
 }
 
