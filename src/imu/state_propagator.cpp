@@ -18,7 +18,9 @@ ImuSample StatePropagator::scaled(const ImuSample& sample) const {
 
 void StatePropagator::step(const ImuSample& from, const ImuSample& to) {
   const ImuInterval interval = mean_interval(estimate_.state, from, to);
-  const DiscreteModel model = discretize(estimate_.state, interval, noise_, discretization_);
+  const double spacing = samples_.spacing_at(from.stamp + (to.stamp - from.stamp) / 2);
+  const ImuNoise noise = noise_between(noise_, options_.range, from, to, spacing);
+  const DiscreteModel model = discretize(estimate_.state, interval, noise, options_.discretization);
   const NavMatrix covariance = model.phi * estimate_.covariance * model.phi.transpose() + model.q;
   estimate_.covariance = 0.5 * (covariance + covariance.transpose());
   estimate_.state = propagate_mean(estimate_.state, interval, noise_);
@@ -46,8 +48,17 @@ void StatePropagator::restart(const NavState& state, const NavMatrix& covariance
 }
 
 bool StatePropagator::add(const ImuSample& sample) {
-  if (!sample.gyro.allFinite() || !sample.accel.allFinite() || !samples_.push(sample)) return false;
+  const ImuGate::Passed passed = gate_.pass(sample);
+  const bool gap_was_real = passed.kept_back && take(*passed.kept_back);
+  return passed.sample ? take(*passed.sample) : gap_was_real;
+}
+
+bool StatePropagator::take(const ImuSample& sample) {
+  const TimeNs before = samples_.empty() ? sample.stamp : samples_.newest();
+  if (!samples_.push(sample)) return false;
+  sample_interval_ = seconds_between(before, sample.stamp);
   samples_.discard_before(sample.stamp - kMemory);
+  if (sample_interval_ > options_.max_gap) started_ = false;
   if (!started_ || sample.stamp <= last_.stamp) return false;
   step(last_, scaled(sample));
   return true;
@@ -55,6 +66,7 @@ bool StatePropagator::add(const ImuSample& sample) {
 
 void StatePropagator::clear() {
   samples_.clear();
+  gate_ = ImuGate();
   started_ = false;
 }
 

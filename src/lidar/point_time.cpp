@@ -108,6 +108,9 @@ std::optional<Origin> find_origin(const PointTimeEvidence& evidence, const Span&
       if (span.near_zero()) return Origin::kStamp;
       if (clock) return Origin::kEpoch;
       break;
+    case PointTime::kAzimuthClockwise:
+    case PointTime::kAzimuthCounterclockwise:  // no field is looked at
+      break;
   }
   refusal = field_text(evidence) + " counts neither from the header stamp nor with its clock: it is " +
             number(0.5 * (span.first + span.last) - stamp) +

@@ -131,8 +131,11 @@ void declare_lidar(ParameterVisitor& v, LioConfig& c) {
          lidar.deskew, true);
   v.option({"lidar/point_time", "",
             "What a point's time counts from: the sweep's start at the header stamp, its end at the header stamp, or "
-            "the clock's epoch; auto tells by the first scan."},
-           lidar.point_time, PointTime::kAuto, {"auto", "start", "end", "absolute"});
+            "the clock's epoch; auto tells by the first scan. For clouds without times, of a LiDAR that spins evenly "
+            "and whose points come in the order of firing, they can be made from the azimuth, from the header stamp "
+            "on, by the way that it turns seen from above (a Velodyne's is azimuth_clockwise)."},
+           lidar.point_time, PointTime::kAuto,
+           {"auto", "start", "end", "absolute", "azimuth_clockwise", "azimuth_counterclockwise"});
   v.option({"lidar/time_unit", "",
             "Unit of the point-time field; auto tells by the first scan. Change it when the verdict printed at start "
             "is wrong."},
@@ -141,6 +144,8 @@ void declare_lidar(ParameterVisitor& v, LioConfig& c) {
           "Name of the point-time field; empty: t, time, timestamp, time_stamp or offset_time, whichever is there. "
           "Change it for a driver of your own."},
          lidar.time_field, "");
+  v.number({"lidar/turn_time", "s", "Duration of a turn, for point_time: azimuth_... only."}, lidar.turn_time, 0.1,
+           Range::between(0.01, 1.0));
   v.flag({"lidar/drop_tagged", "",
           "Drop the points that a Livox marks as noise (field tag, uint8: bit 5, as FAST-LIO2 drops them). Turn it off "
           "to keep third returns and points of low confidence."},

@@ -7,28 +7,19 @@
 #include <numeric>
 #include <utility>
 
+#include "allan_lio/imu/interval_noise.h"
 #include "allan_lio/math/so3.h"
 
 namespace allan_lio {
 namespace {
 
-constexpr double kCountedGap = 0.1;     // [s] between IMU samples
-constexpr int kLostAfter = 10;          // scans in a row without a match
-constexpr double kSaturatedPart = 0.2;  // 1 sigma of a saturated reading, of the full scale
-
-// Where samples are missing: 1 sigma of what the readings between them may differ from the line, and for how long they
-// do so in one direction. Walking or driving, not flying aerobatics.
-constexpr double kUnknownRate = 0.5;   // [rad/s]
-constexpr double kUnknownAccel = 2.0;  // [m/s^2]
-constexpr double kUnknownTime = 0.5;   // [s]
+constexpr int kLostAfter = 10;  // scans in a row without a match
 
 std::unique_ptr<VoxelMap> make_map(const LioConfig& config) {
   // k_r is a matter of the residuals: raised threefold it would make every wall too thick for a plane.
   const VoxelMapOptions options{config.map.voxel_size, config.lidar.range_noise, config.map.radius, config.map.max_mb};
   return config.map.structure == MapStructure::kPlanes ? make_plane_voxel_map(options) : make_point_voxel_map(options);
 }
-
-double square(double x) { return x * x; }
 
 }  // namespace
 
@@ -49,22 +40,10 @@ void Odometry::Impl::reconfigure(const LioConfig& config) {
 }
 
 ImuNoise Odometry::Impl::noise_between(const ImuSample& from, const ImuSample& to) {
-  const double dt = seconds_between(from.stamp, to.stamp);
-  const bool gyro = std::max(from.gyro.cwiseAbs().maxCoeff(), to.gyro.cwiseAbs().maxCoeff()) >= config_.imu.gyro_range;
-  const bool accel =
-      std::max(from.accel.cwiseAbs().maxCoeff(), to.accel.cwiseAbs().maxCoeff()) >= config_.imu.accel_range;
+  const ImuRange range{config_.imu.gyro_range, config_.imu.accel_range};
+  if (is_saturated(range, from, to)) ++counters_.imu_saturated;
   const double spacing = synchronizer_.imu().spacing_at(from.stamp + (to.stamp - from.stamp) / 2);
-  if (!gyro && !accel && spacing <= kCountedGap) return noise_;
-  if (gyro || accel) ++counters_.imu_saturated;
-  ImuNoise inflated = noise_;
-  if (spacing > kCountedGap) {
-    const double together = std::min(spacing, kUnknownTime);
-    inflated.gyro_psd.array() += square(kUnknownRate) * together;
-    inflated.accel_psd.array() += square(kUnknownAccel) * together;
-  }
-  if (gyro) inflated.gyro_psd.array() += square(kSaturatedPart * config_.imu.gyro_range) * dt;
-  if (accel) inflated.accel_psd.array() += square(kSaturatedPart * config_.imu.accel_range) * dt;
-  return inflated;
+  return allan_lio::noise_between(noise_, range, from, to, spacing);
 }
 
 void Odometry::Impl::propagate_covariance(const NavMatrix& transition, const NavMatrix& noise) {
@@ -98,7 +77,7 @@ std::vector<TrackSegment> Odometry::Impl::propagate_to(TimeNs t) {
     state_.nav.stamp = samples[i + 1].stamp;
   }
   propagate_covariance(transition, noise);
-  if (gap > kCountedGap) ++counters_.imu_gaps;
+  if (gap > kImuGap) ++counters_.imu_gaps;
   gyro_ = samples.back().gyro - state_.nav.gyro_bias;
   synchronizer_.discard_before(t);
   return track;

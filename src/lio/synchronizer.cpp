@@ -5,34 +5,14 @@
 #include <utility>
 
 namespace allan_lio {
-namespace {
-
-constexpr double kAbsurdAccel = 50.0 * 9.80665;  // [m/s^2]
-constexpr double kAbsurdGyro = 100.0;            // [rad/s]
-
-bool is_sane(const ImuSample& s) {  // false for NaN too
-  return s.accel.cwiseAbs().maxCoeff() <= kAbsurdAccel && s.gyro.cwiseAbs().maxCoeff() <= kAbsurdGyro &&
-         s.accel.allFinite() && s.gyro.allFinite();
-}
-
-}  // namespace
 
 void Synchronizer::add_imu(const ImuSample& sample) {
   ++counters_.imu_read;
-  if (!is_sane(sample)) {
-    ++counters_.imu_dropped_invalid;
-    return;
-  }
-  if (suspect_) {
-    const bool was_right = sample.stamp > suspect_->stamp;
-    if (was_right) take_imu(*suspect_);
-    if (!was_right) ++counters_.imu_dropped_order;
-    suspect_.reset();
-  } else if (!imu_.empty() && seconds_between(imu_.newest(), sample.stamp) > kSuspiciousLeap) {
-    suspect_ = sample;
-    return;
-  }
-  take_imu(sample);
+  const ImuGate::Passed passed = gate_.pass(sample);
+  if (passed.absurd) ++counters_.imu_dropped_invalid;
+  if (passed.wrong_stamp) ++counters_.imu_dropped_order;
+  if (passed.kept_back) take_imu(*passed.kept_back);
+  if (passed.sample) take_imu(*passed.sample);
 }
 
 void Synchronizer::take_imu(const ImuSample& sample) {
@@ -45,8 +25,7 @@ void Synchronizer::take_imu(const ImuSample& sample) {
 }
 
 void Synchronizer::end_of_data() {
-  if (suspect_) take_imu(*suspect_);
-  suspect_.reset();
+  if (const std::optional<ImuSample> last = gate_.release()) take_imu(*last);
   if (suspect_scan_) take_scan(std::move(*suspect_scan_));
   suspect_scan_.reset();
   ended_ = true;

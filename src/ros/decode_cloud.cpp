@@ -41,18 +41,27 @@ std::string missing_time(const sensor_msgs::PointCloud2& cloud, const std::strin
   for (const auto& field : cloud.fields) names += (names.empty() ? "" : ", ") + field.name;
   const std::string wanted = time_field.empty() ? "no field for the points' times" : "no field '" + time_field + "'";
   return "the cloud has " + wanted + " (fields: " + names +
-         "); name it in lidar/time_field, or set lidar/deskew: false";
+         "); name it in lidar/time_field, set lidar/point_time: azimuth_clockwise if the LiDAR spins and its points "
+         "come "
+         "in the order of firing, or set lidar/deskew: false";
+}
+
+std::optional<LidarTurn> turn_of(const LioConfig::Lidar& options) {
+  const bool clockwise = options.point_time == PointTime::kAzimuthClockwise;
+  if (!options.deskew || (!clockwise && options.point_time != PointTime::kAzimuthCounterclockwise)) return {};
+  return LidarTurn{clockwise, options.turn_time};
 }
 
 }  // namespace
 
-CloudDecoder::CloudDecoder(const LioConfig::Lidar& options) : options_(options), detector_(options) {}
+CloudDecoder::CloudDecoder(const LioConfig::Lidar& options)
+    : options_(options), turn_(turn_of(options)), detector_(options) {}
 
 DecodedCloud CloudDecoder::decode(const sensor_msgs::PointCloud2& cloud) {
   DecodedCloud decoded;
   const std::optional<CloudLayout> layout = read_layout(cloud, options_.time_field, decoded.error);
   if (!layout) return decoded;
-  if (options_.deskew && layout->points() > 0 && !layout->time) {
+  if (options_.deskew && !turn_ && layout->points() > 0 && !layout->time) {
     decoded.error = missing_time(cloud, options_.time_field);
     return decoded;
   }
@@ -82,8 +91,10 @@ DecodedCloud CloudDecoder::decode(const CloudLayout& layout, TimeNs stamp) {
   DecodedCloud decoded;
   Scan scan;
   scan.stamp = stamp + to_ns(options_.time_offset);
-  if (!options_.deskew) {
+  if (!options_.deskew || turn_) {
     tagged_noise_ += read_untimed(layout, limits_of(options_), scan).tag;
+    if (turn_) decoded.error = set_times_by_azimuth(*turn_, scan);
+    if (!decoded.error.empty()) return decoded;
   } else if (layout.points() > 0) {
     if (!detector_.settled()) detector_.examine(gather_evidence(layout, stamp));
     if (!detector_.rule()) {
@@ -122,6 +133,7 @@ std::string CloudDecoder::read_by_rule(const CloudLayout& layout, TimeNs stamp, 
 
 std::string CloudDecoder::verdict() const {
   if (!options_.deskew) return "point time: not read, every point counts at its scan's stamp (lidar/deskew: false)";
+  if (turn_) return "point time: made from the azimuth, from the header stamp on (lidar/point_time)";
   if (detector_.rule()) return detector_.rule()->verdict;
   return detector_.refusal().empty() ? "" : "point time: refused: " + detector_.refusal();
 }

@@ -16,15 +16,14 @@ namespace {
 constexpr double kTfPatience = 10.0;  // [s]
 constexpr int kImuQueue = 4000;
 constexpr int kStateQueue = 20;
-const ros::WallDuration kLook(0.1);               // for the end
-constexpr TimeNs kBackInTime = 1 * kNsPerSecond;  // a step back of this much is a new recording, not a late sample
+const ros::WallDuration kLook(0.1);  // for the end
 
 }  // namespace
 
 ImuPropagator::ImuPropagator(ros::NodeHandle handle, ros::NodeHandle private_handle)
     : config_(read_node_parameters(private_handle).config),
       T_base_imu_(resolve_extrinsics(config_, kTfPatience)),
-      propagator_(config_.imu.discretization),
+      propagator_({config_.imu.discretization, {config_.imu.gyro_range, config_.imu.accel_range}, config_.imu.max_gap}),
       odometry_(handle.advertise<nav_msgs::Odometry>("imu_odometry", 1000)),
       poll_priority_(config_.realtime_priority) {
   show_in_force(private_handle, config_);
@@ -59,15 +58,16 @@ void ImuPropagator::on_state(const StateConstPtr& message) {
 
 void ImuPropagator::on_imu(const sensor_msgs::ImuConstPtr& message) {
   const ImuSample sample = to_imu_sample(*message);
-  if (sample.stamp < last_imu_ - kBackInTime) propagator_.clear();
-  if (sample.stamp > last_imu_ && last_imu_ != 0) sample_interval_ = seconds_between(last_imu_, sample.stamp);
-  last_imu_ = sample.stamp;
+  if (watch_.begins_anew(sample.stamp)) {
+    propagator_.clear();
+    watch_ = RecordingWatch();
+  }
   if (!propagator_.add(sample)) return;
   BaseEstimate estimate;
   estimate.state = propagator_.estimate().state;
   estimate.covariance = propagator_.estimate().covariance;
   estimate.gyro = propagator_.estimate().gyro;
-  estimate.gyro_variance = gyro_reading_variance(config_.imu, sample_interval_);
+  estimate.gyro_variance = gyro_reading_variance(config_.imu, propagator_.sample_interval());
   estimate.T_base_imu = T_base_imu_;
   publish_finite(odometry_, to_odometry(estimate, config_.frames.odom, config_.frames.base));
 }

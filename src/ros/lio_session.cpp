@@ -40,7 +40,10 @@ class CpuMeter {
 }  // namespace
 
 LioSession::LioSession(const LioConfig& config, const std::string& out, OnResult on_result)
-    : odometry_(std::make_unique<Odometry>(config)), decoder_(config.lidar), on_result_(std::move(on_result)) {
+    : odometry_(std::make_unique<Odometry>(config)),
+      config_hash_(allan_lio::config_hash(config)),
+      decoder_(config.lidar),
+      on_result_(std::move(on_result)) {
   if (!out.empty()) writer_ = std::make_unique<RunWriter>(out, config);
 }
 
@@ -153,6 +156,7 @@ std::string LioSession::moment() const {
 void LioSession::reconfigure(const LioConfig& config) {
   const std::string difference = live_difference(odometry_->config(), config);
   odometry_->reconfigure(config);
+  config_hash_ = allan_lio::config_hash(config);
   if (!difference.empty()) add_note(moment() + difference);
 }
 

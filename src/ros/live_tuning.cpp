@@ -10,6 +10,16 @@
 #include "allan_lio/io/live_parameters.h"
 
 namespace allan_lio {
+namespace {
+
+/// "imu/k_gb stays 25", or what can be said of a key that is not changed while the filter runs.
+std::string what_stays(const LioConfig& config, const std::string& key) {
+  for (const ParameterEntry& entry : live_parameters(config))
+    if (entry.info.key == key && entry.items.size() == 1) return key + " stays " + entry.items.front();
+  return "what was in force stays";
+}
+
+}  // namespace
 
 LiveTuning::LiveTuning(const ros::NodeHandle& private_handle, const NodeParameters& parameters, Apply apply)
     : handle_(private_handle),
@@ -62,7 +72,7 @@ bool LiveTuning::change(const std::string& key, const ConfigEntry& entry) {
     server_.show(config_);
     return true;
   } catch (const ConfigError& error) {
-    ROS_ERROR_STREAM("refused: " << error.what() << "; what was in force stays");
+    ROS_ERROR_STREAM("refused: " << error.what() << "; " << what_stays(config_, key));
     return false;
   }
 }

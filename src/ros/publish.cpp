@@ -76,7 +76,7 @@ void LioPublisher::publish(const LioResult& result, const LioSession& session) {
   estimate.gyro_variance = gyro_reading_variance(session.odometry().config().imu, session.imu_interval());
   estimate.T_base_imu = T_base_imu_;
   const nav_msgs::OdometryPtr odometry = to_odometry(estimate, config_.frames.odom, config_.frames.base);
-  const StatePtr state = to_state_message(result, session.odometry().config(), session.odometry().accel_scale());
+  const StatePtr state = to_state_message(result, session);
   // An estimate that is not finite in part is not published at all.
   if (!all_finite(*odometry) || !publish_finite(state_, state)) return;
   publish_finite(odometry_, odometry);

@@ -20,8 +20,9 @@ static_assert(State::UPDATED == static_cast<int>(ScanOutcome::kUpdated) &&
 
 }  // namespace
 
-StatePtr to_state_message(const LioResult& result, const LioConfig& config, double accel_scale) {
+StatePtr to_state_message(const LioResult& result, const LioSession& session) {
   auto message = boost::make_shared<State>();
+  const LioConfig& config = session.odometry().config();
   const NavState& nav = result.state.nav;
   message->header.stamp = to_ros_time(nav.stamp);
   message->header.frame_id = config.frames.odom;
@@ -49,7 +50,8 @@ StatePtr to_state_message(const LioResult& result, const LioConfig& config, doub
   message->k_gb = config.imu.scale.k_gb;
   message->k_ab = config.imu.scale.k_ab;
   message->k_r = config.lidar.k_r;
-  message->accel_scale = accel_scale;
+  message->config_hash = session.config_hash();
+  message->accel_scale = session.odometry().accel_scale();
   return message;
 }
 

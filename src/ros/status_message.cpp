@@ -4,7 +4,6 @@
 
 #include <boost/make_shared.hpp>
 
-#include "allan_lio/io/config_source.h"
 #include "allan_lio/ros/conversions.h"
 
 namespace allan_lio {
@@ -44,7 +43,6 @@ void put_configuration(const LioConfig& config, Status& message) {
   message.k_gb = config.imu.scale.k_gb;
   message.k_ab = config.imu.scale.k_ab;
   message.k_r = config.lidar.k_r;
-  message.config_hash = config_hash(config);
 }
 
 }  // namespace
@@ -58,6 +56,7 @@ StatusPtr to_status_message(const LioResult& result, const LioSession& session, 
   message->header.frame_id = odometry.config().frames.odom;
   put_scan(result, window, *message);
   put_configuration(odometry.config(), *message);
+  message->config_hash = session.config_hash();
   message->gyro_bias = to_vector(nav.gyro_bias);
   message->gyro_bias_sigma = sigma_of(result.covariance, kGyroBias);
   message->accel_bias = to_vector(nav.accel_bias);

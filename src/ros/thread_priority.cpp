@@ -11,10 +11,11 @@
 
 namespace allan_lio {
 
-std::string set_thread_priority(pid_t thread, int priority) {
+std::string set_thread_priority(pid_t thread, int priority, Heirs heirs) {
   sched_param parameters{};
   parameters.sched_priority = priority;
-  if (sched_setscheduler(thread, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &parameters) == 0) return "";
+  const int real_time = heirs == Heirs::kTheSame ? SCHED_FIFO : SCHED_FIFO | SCHED_RESET_ON_FORK;
+  if (sched_setscheduler(thread, priority > 0 ? real_time : SCHED_OTHER, &parameters) == 0) return "";
   return std::generic_category().message(errno);
 }
 
@@ -29,9 +30,10 @@ PollThreadPriority::~PollThreadPriority() {
 }
 
 void PollThreadPriority::on_poll() {
-  if (thread_ != 0) return;
+  // Again where another one of this process has ended and taken it back.
+  if (hindered_ || (sched_getscheduler(0) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO) return;
   thread_ = static_cast<pid_t>(syscall(SYS_gettid));
-  set_thread_priority(thread_, priority_);
+  hindered_ = !set_thread_priority(thread_, priority_).empty();
 }
 
 }  // namespace allan_lio

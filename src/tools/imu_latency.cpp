@@ -166,7 +166,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     // What is to be waited for is the nodelet, not the clock that times it.
-    const std::string hindered = allan_lio::set_thread_priority(0, kPriority);
+    const std::string hindered = allan_lio::set_thread_priority(0, kPriority, allan_lio::Heirs::kTheSame);
     if (!hindered.empty()) std::cerr << "imu_latency: timed without real-time priority: " << hindered << '\n';
     ros::init(argc, argv, "imu_latency");
     const std::vector<double> delays = measure(options, pipe_ends[0]);

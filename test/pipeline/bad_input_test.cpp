@@ -11,6 +11,7 @@
 #include <fstream>
 #include <string>
 
+#include "allan_lio/io/tum.h"
 #include "simulated_bag.h"
 
 namespace allan_lio {
@@ -73,6 +74,29 @@ TEST_F(BadInput, CloudsWithoutPointTimesAreRefusedUnlessDeskewIsTurnedOff) {
   const Outcome accepted = run_lio_offline(bag, out_, "--param lidar/deskew=false");
   EXPECT_EQ(accepted.status, 0) << accepted.text;
   EXPECT_NE(accepted.text.find("60 of 60 scans used"), std::string::npos) << accepted.text;
+}
+
+TEST_F(BadInput, CloudsWithoutPointTimesHaveThemFromTheAzimuthWhereThatIsChosen) {
+  const std::string bag = directory_.file("no_time.bag"), with_times = directory_.file("time.bag");
+  const std::string timed_out = directory_.file("timed");
+  copy_bag(bag, true, false);
+  copy_bag(with_times, true, true);
+  ASSERT_EQ(run_lio_offline(with_times, timed_out).status, 0);
+  const auto farthest_apart = [&](const std::string& parameter) {
+    const Outcome run = run_lio_offline(bag, out_, "--param " + parameter);
+    EXPECT_EQ(run.status, 0) << run.text;
+    const Trajectory timed = read_tum(timed_out + "/trajectory.tum"), other = read_tum(out_ + "/trajectory.tum");
+    EXPECT_EQ(timed.size(), other.size());
+    double apart = 0.0;
+    for (std::size_t i = 0; i < std::min(timed.size(), other.size()); ++i)
+      apart = std::max(apart, (timed[i].pose.translation - other[i].pose.translation).norm());
+    return apart;
+  };
+  const double made = farthest_apart("lidar/point_time=azimuth_clockwise");
+  EXPECT_LT(made, 0.005) << "against " << farthest_apart("lidar/deskew=false") << " without times";
+  const Outcome wrong = run_lio_offline(bag, out_, "--param lidar/point_time=azimuth_counterclockwise");
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_NE(wrong.text.find("not in the order of firing"), std::string::npos) << wrong.text;
 }
 
 TEST_F(BadInput, OfABagThatIsCutOffWhatThereIsIsComputed) {

@@ -48,7 +48,7 @@ void expect_same(const StatePropagator& a, const StatePropagator& b) {
 TEST(StatePropagator, a_late_correction_gives_what_a_prompt_one_gives) {
   constexpr int kSamples = 60, kCorrection = 20;
   const TimeNs stamp = kStart + kCorrection * kStep + 2'000'000;  // between two samples
-  StatePropagator prompt(Discretization::kTrapezoid), late(Discretization::kTrapezoid);
+  StatePropagator prompt({Discretization::kTrapezoid, {}}), late({Discretization::kTrapezoid, {}});
   for (int i = 0; i < kSamples; ++i) {
     prompt.add(sample_at(i));
     late.add(sample_at(i));
@@ -60,7 +60,7 @@ TEST(StatePropagator, a_late_correction_gives_what_a_prompt_one_gives) {
 }
 
 TEST(StatePropagator, follows_the_equations_of_the_filter) {
-  StatePropagator propagator(Discretization::kVanLoan);
+  StatePropagator propagator({Discretization::kVanLoan, {}});
   propagator.add(sample_at(0));
   propagator.restart(state_at(kStart), kStartCovariance, some_noise(), 1.0);
   ASSERT_TRUE(propagator.add(sample_at(1)));
@@ -73,7 +73,7 @@ TEST(StatePropagator, follows_the_equations_of_the_filter) {
 }
 
 TEST(StatePropagator, readings_in_g_are_scaled) {
-  StatePropagator metric(Discretization::kTrapezoid), in_g(Discretization::kTrapezoid);
+  StatePropagator metric({Discretization::kTrapezoid, {}}), in_g({Discretization::kTrapezoid, {}});
   for (int i = 0; i < 30; ++i) {
     ImuSample sample = sample_at(i);
     metric.add(sample);
@@ -87,7 +87,7 @@ TEST(StatePropagator, readings_in_g_are_scaled) {
 }
 
 TEST(StatePropagator, gives_nothing_before_the_first_correction_nor_for_bad_samples) {
-  StatePropagator propagator(Discretization::kTrapezoid);
+  StatePropagator propagator({Discretization::kTrapezoid, {}});
   EXPECT_FALSE(propagator.add(sample_at(0)));
   propagator.restart(state_at(kStart), kStartCovariance, some_noise(), 1.0);
   EXPECT_TRUE(propagator.add(sample_at(1)));
@@ -101,8 +101,73 @@ TEST(StatePropagator, gives_nothing_before_the_first_correction_nor_for_bad_samp
   EXPECT_FALSE(propagator.add(sample_at(0)));
 }
 
+TEST(StatePropagator, an_absurd_reading_and_a_stamp_from_the_future_change_nothing) {
+  constexpr int kSamples = 20, kBad = 10;
+  StatePropagator clean({Discretization::kTrapezoid, {}}), fed({Discretization::kTrapezoid, {}});
+  for (int i = 0; i < kSamples; ++i) {
+    EXPECT_EQ(clean.add(sample_at(i)), fed.add(sample_at(i))) << i;
+    if (i == 2) clean.restart(state_at(kStart), kStartCovariance, some_noise(), 1.0);
+    if (i == 2) fed.restart(state_at(kStart), kStartCovariance, some_noise(), 1.0);
+    if (i != kBad) continue;
+    ImuSample absurd = sample_at(i);
+    absurd.stamp += kStep / 2;
+    absurd.accel.x() = -1e4;
+    EXPECT_FALSE(fed.add(absurd));
+    ImuSample ahead = sample_at(i);
+    ahead.stamp += 1000 * kNsPerSecond;
+    EXPECT_FALSE(fed.add(ahead));
+  }
+  expect_same(clean, fed);
+}
+
+TEST(StatePropagator, a_gap_and_a_saturated_reading_widen_the_covariance_as_the_filters) {
+  constexpr int kGapSamples = 100;  // 0.5 s
+  const StatePropagator::Options options{Discretization::kTrapezoid, {0.35, 100.0}};
+  const auto after = [&](int last) {
+    StatePropagator propagator(options);
+    propagator.add(sample_at(0));
+    propagator.restart(state_at(kStart), kStartCovariance, some_noise(), 1.0);
+    EXPECT_TRUE(propagator.add(sample_at(last)));
+    return propagator.estimate().covariance;
+  };
+  const auto by_equations = [&](int last) {
+    const ImuSample from = sample_at(0), to = sample_at(last);
+    const ImuNoise noise = noise_between(some_noise(), options.range, from, to, seconds_between(from.stamp, to.stamp));
+    const DiscreteModel model =
+        discretize(state_at(kStart), mean_interval(state_at(kStart), from, to), noise, options.discretization);
+    return NavMatrix(model.phi * kStartCovariance * model.phi.transpose() + model.q);
+  };
+  EXPECT_LT((after(kGapSamples) - by_equations(kGapSamples)).norm(), kRounding);
+  // 0.5 rad/s and 2 m/s^2 for 0.5 s in one direction.
+  const double turned = std::sqrt((after(kGapSamples) - kStartCovariance)(0, 0));
+  EXPECT_GT(turned, 0.9 * 0.5 * 0.5);
+  EXPECT_LT(turned, 1.5 * 0.5 * 0.5);
+  const int saturating = 72;  // sin(0.36) > 0.35, the first and only one
+  const auto stepwise = [&](double range) {
+    StatePropagator propagator({Discretization::kTrapezoid, {range, 100.0}});
+    propagator.add(sample_at(0));
+    propagator.restart(state_at(kStart), kStartCovariance, some_noise(), 1.0);
+    for (int i = 1; i <= saturating; ++i) propagator.add(sample_at(i));
+    return propagator.estimate().covariance(0, 0);
+  };
+  const double missed = 0.2 * 0.35 * 1e-9 * static_cast<double>(kStep);  // [rad], 1 sigma
+  EXPECT_NEAR(stepwise(0.35) - stepwise(10.0), missed * missed, 0.02 * missed * missed);
+}
+
+TEST(StatePropagator, waits_for_a_correction_after_a_silence_that_is_too_long_to_bridge) {
+  StatePropagator propagator({Discretization::kTrapezoid, {}, 0.3});
+  propagator.add(sample_at(0));
+  propagator.restart(state_at(kStart), kStartCovariance, some_noise(), 1.0);
+  EXPECT_TRUE(propagator.add(sample_at(50)));
+  EXPECT_FALSE(propagator.add(sample_at(120)));
+  EXPECT_FALSE(propagator.add(sample_at(121)));
+  propagator.restart(state_at(kStart + 120 * kStep), kStartCovariance, some_noise(), 1.0);
+  EXPECT_TRUE(propagator.add(sample_at(122)));
+  EXPECT_DOUBLE_EQ(propagator.sample_interval(), 0.005);
+}
+
 TEST(StatePropagator, a_correction_ahead_of_the_samples_waits_for_them) {
-  StatePropagator propagator(Discretization::kTrapezoid);
+  StatePropagator propagator({Discretization::kTrapezoid, {}});
   propagator.add(sample_at(0));
   propagator.restart(state_at(kStart + 3 * kStep), kStartCovariance, some_noise(), 1.0);
   EXPECT_FALSE(propagator.add(sample_at(1)));

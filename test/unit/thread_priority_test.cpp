@@ -15,18 +15,23 @@ namespace {
 
 constexpr uid_t kNobody = 65534;
 
+int policy() { return sched_getscheduler(0) & ~SCHED_RESET_ON_FORK; }
+
 TEST(ThreadPriority, IsRealTimeUntilItIsTakenBack) {
   std::thread([] {
     const std::string hindered = set_thread_priority(0, 3);
     if (!hindered.empty()) GTEST_SKIP() << hindered;
     sched_param parameters{};
-    EXPECT_EQ(sched_getscheduler(0), SCHED_FIFO);
+    EXPECT_EQ(policy(), SCHED_FIFO);
     EXPECT_EQ(sched_getparam(0, &parameters), 0);
     EXPECT_EQ(parameters.sched_priority, 3);
+    std::thread([] { EXPECT_EQ(policy(), SCHED_OTHER); }).join();
+    EXPECT_EQ(set_thread_priority(0, 3, Heirs::kTheSame), "");
+    std::thread([] { EXPECT_EQ(policy(), SCHED_FIFO); }).join();
     EXPECT_EQ(set_thread_priority(0, 0), "");
-    EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER);
+    EXPECT_EQ(policy(), SCHED_OTHER);
   }).join();
-  EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER);
+  EXPECT_EQ(policy(), SCHED_OTHER);
 }
 
 TEST(ThreadPriority, SaysWhatHinders) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include "allan_lio/imu/imu_buffer.h"
+#include "allan_lio/imu/imu_gate.h"
+#include "allan_lio/imu/interval_noise.h"
 #include "allan_lio/imu/propagate.h"
 
 namespace allan_lio {
@@ -17,14 +19,21 @@ class StatePropagator {
     Eigen::Vector3d gyro = Eigen::Vector3d::Zero();  ///< last reading, bias taken off [rad/s], IMU frame
   };
 
-  explicit StatePropagator(Discretization discretization) : discretization_(discretization) {}
+  struct Options {
+    Discretization discretization = Discretization::kTrapezoid;
+    ImuRange range;
+    double max_gap = std::numeric_limits<double>::infinity();  ///< longest silence that is bridged [s]
+  };
+
+  explicit StatePropagator(const Options& options) : options_(options) {}
 
   /// Starts again from a corrected state, and goes over the samples that came after it. `accel_scale`: factor from
   /// the readings to m/s^2.
   void restart(const NavState& state, const NavMatrix& covariance, const ImuNoise& noise, double accel_scale);
 
   /// Takes the next reading, as the sensor gives it. True if estimate() has moved to it: not before the first
-  /// restart(), nor for a sample that is not later than the one before, not finite, or older than the state.
+  /// restart(), nor for a sample that ImuGate keeps back or drops, that is not later than the one before, or older
+  /// than the state. After a silence of more than `max_gap` it waits for the next restart().
   bool add(const ImuSample& sample);
 
   /// Forgets state and samples.
@@ -32,14 +41,20 @@ class StatePropagator {
 
   const Estimate& estimate() const { return estimate_; }
 
+  /// Between the last two samples that were taken; 0 before there are two [s].
+  double sample_interval() const { return sample_interval_; }
+
  private:
   ImuSample scaled(const ImuSample& sample) const;
   void step(const ImuSample& from, const ImuSample& to);
+  bool take(const ImuSample& sample);
 
-  Discretization discretization_;
+  Options options_;
   ImuNoise noise_;
   double accel_scale_ = 1.0;
   bool started_ = false;
+  double sample_interval_ = 0.0;  ///< [s]
+  ImuGate gate_;
   ImuBuffer samples_;  ///< as the sensor gives them, since the last correction
   ImuSample last_;     ///< where estimate_ stands, scaled
   Estimate estimate_;

@@ -13,7 +13,7 @@
 namespace allan_lio {
 
 enum class AccelUnit { kAuto, kMetresPerSecondSquared, kG };
-enum class PointTime { kAuto, kStart, kEnd, kAbsolute };
+enum class PointTime { kAuto, kStart, kEnd, kAbsolute, kAzimuthClockwise, kAzimuthCounterclockwise };
 enum class TimeUnit { kAuto, kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
 enum class MapStructure { kPlanes, kPoints };
 
@@ -41,6 +41,7 @@ struct LioConfig {
     PointTime point_time;    ///< what the point-time field counts from
     TimeUnit time_unit;      ///< its unit
     std::string time_field;  ///< its name; empty: found
+    double turn_time;        ///< of a spinning LiDAR, for the times by azimuth [s]
     bool drop_tagged;        ///< what Livox's tag calls noise
     double time_offset;      ///< added to the LiDAR's stamps to reach the IMU's clock [s]
     double min_range;        ///< [m]

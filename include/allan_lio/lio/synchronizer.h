@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "allan_lio/imu/imu_buffer.h"
+#include "allan_lio/imu/imu_gate.h"
 #include "allan_lio/lidar/scan.h"
 #include "allan_lio/lio/lio_result.h"
 
@@ -42,20 +43,20 @@ class Synchronizer {
 
  private:
   static constexpr std::size_t kMostWaiting = 100;  ///< scans; then the IMU is taken for silent
-  static constexpr double kSuspiciousLeap = 1.0;    ///< [s] ahead of the sample before
+  static constexpr double kSuspiciousLeap = 1.0;    ///< [s] of a scan, ahead of the one before
   static constexpr double kKeptWithoutScans = 600;  ///< [s] of IMU data
 
   void take_imu(const ImuSample& sample);
   void take_scan(Scan scan);
 
   LioCounters& counters_;
+  ImuGate gate_;
   ImuBuffer imu_;
   std::deque<Scan> scans_;
   std::optional<TimeNs> first_imu_;
   std::optional<TimeNs> newest_scan_end_;
-  /// A sample far ahead of its time: kept back until the next one tells a gap from a wrong stamp.
-  std::optional<ImuSample> suspect_;
-  std::optional<Scan> suspect_scan_;  ///< the same of a scan
+  /// A scan far ahead of its time: kept back until the next one tells a gap from a wrong stamp.
+  std::optional<Scan> suspect_scan_;
   bool ended_ = false;
 };
 

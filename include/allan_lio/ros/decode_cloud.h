@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "allan_lio/lidar/azimuth_time.h"
 #include "allan_lio/lidar/point_time.h"
 #include "allan_lio/lidar/scan.h"
 #include "allan_lio/lio/lio_config.h"
@@ -47,6 +48,7 @@ class CloudDecoder {
   std::string read_by_rule(const CloudLayout& layout, TimeNs stamp, Scan& scan);
 
   LioConfig::Lidar options_;
+  std::optional<LidarTurn> turn_;  ///< if the times are made from the azimuth
   PointTimeDetector detector_;
   double sweep_ns_ = 0.0;  ///< length of the last scan that moved [ns], 0 before the first
   std::uint64_t wild_times_ = 0, tagged_noise_ = 0;

@@ -14,6 +14,7 @@
 
 #include "allan_lio/imu/state_propagator.h"
 #include "allan_lio/ros/param_source.h"
+#include "allan_lio/ros/recording_watch.h"
 #include "allan_lio/ros/thread_priority.h"
 
 namespace allan_lio {
@@ -37,8 +38,7 @@ class ImuPropagator {
   LioConfig config_;
   RigidTransform T_base_imu_;
   StatePropagator propagator_;
-  double sample_interval_ = 0.0;  ///< between the last two samples [s]
-  TimeNs last_imu_ = 0;
+  RecordingWatch watch_;
   ros::Publisher odometry_;
   ros::CallbackQueue queue_;
   ros::Subscriber state_subscriber_, imu_subscriber_;  // after the queue that they fill

@@ -88,6 +88,7 @@ class LioSession {
   std::string why_nothing() const;
 
   const Odometry& odometry() const { return *odometry_; }
+  const std::string& config_hash() const { return config_hash_; }  ///< of the parameters in force
   std::uint64_t undecodable() const { return undecodable_; }
   double cpu_seconds() const { return cpu_seconds_; }    ///< of decoding, registration and map so far [s]
   double scan_seconds() const { return scan_seconds_; }  ///< of that for the last result [s]
@@ -104,6 +105,7 @@ class LioSession {
   std::string moment() const;
 
   std::unique_ptr<Odometry> odometry_;
+  std::string config_hash_;
   CloudDecoder decoder_;
   std::unique_ptr<RunWriter> writer_;
   OnResult on_result_;

@@ -5,13 +5,13 @@
 #include <allan_lio/State.h>
 
 #include "allan_lio/imu/nav_state.h"
-#include "allan_lio/lio/lio_config.h"
 #include "allan_lio/lio/lio_result.h"
+#include "allan_lio/ros/lio_session.h"
 
 namespace allan_lio {
 
-/// The whole estimate as ~state publishes it. `accel_scale`: Odometry::accel_scale().
-StatePtr to_state_message(const LioResult& result, const LioConfig& config, double accel_scale);
+/// The whole estimate as ~state publishes it.
+StatePtr to_state_message(const LioResult& result, const LioSession& session);
 
 /// The inertial part of the message.
 NavState nav_state_of(const State& message);

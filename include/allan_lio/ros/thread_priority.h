@@ -10,10 +10,13 @@
 
 namespace allan_lio {
 
-/// Has `thread` (0: the calling one, which what it starts inherits) run before all that has no real-time priority:
-/// SCHED_FIFO of sched(7) with `priority` from 1 to 99; 0 is ordinary scheduling. Returns what hindered it, empty if
-/// nothing: the priority needs root, CAP_SYS_NICE or an RLIMIT_RTPRIO.
-std::string set_thread_priority(pid_t thread, int priority);
+/// Whether threads that a thread starts have its priority.
+enum class Heirs { kOrdinary, kTheSame };
+
+/// Has `thread` (0: the calling one) run before all that has no real-time priority: SCHED_FIFO of sched(7) with
+/// `priority` from 1 to 99; 0 is ordinary scheduling. Returns what hindered it, empty if nothing: the priority needs
+/// root, CAP_SYS_NICE or an RLIMIT_RTPRIO.
+std::string set_thread_priority(pid_t thread, int priority, Heirs heirs = Heirs::kOrdinary);
 
 /// Gives roscpp's thread that reads and writes all sockets of this process a priority, as long as this lives. Call it
 /// after ros::init(). What hinders it hinders set_thread_priority() as well and is not said again.
@@ -29,6 +32,7 @@ class PollThreadPriority {
 
   const int priority_;
   std::atomic<pid_t> thread_{0};  ///< 0: not yet met
+  bool hindered_ = false;         ///< of roscpp's thread alone
   boost::signals2::connection listener_;
 };
 
