@@ -9,9 +9,9 @@ import shutil
 import signal
 import subprocess
 import tempfile
-import time
 import unittest
 
+import numpy
 import rosgraph
 import rospy
 import rostest
@@ -22,7 +22,8 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
-TIME_LIMIT = 120 * float(os.environ.get('ALLAN_LIO_SLOWER', 1))  # [s], of an ordinary build; scripts/test raises it for sanitized ones
+from ros_support import TIME_LIMIT, Recording, read, run, run_well, wait_until
+
 K_DEFAULT = 1
 # Of the propagated pose from the filter's within 3 ms of it [m]; 0.0020 measured, at 1 m/s
 PROPAGATION_TOLERANCE = 0.01
@@ -40,15 +41,14 @@ ATE_TOLERANCE = 0.0051
 ERROR_TOLERANCE = 0.0174
 SPEED_TOLERANCE = 0.005  # [m/s], median of twist against differences of position over 10 ms; 0.0003 measured
 
-
-def run(*command):
-    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-                          timeout=TIME_LIMIT)
-
-
-def read(*path):
-    with open(os.path.join(*path), 'rb') as file:
-        return file.read()
+SCAN_INTERVAL, IMU_INTERVAL = 100000000, 5000000  # [ns] of the simulated sensors
+STAMP_TOLERANCE = 1000  # [ns], of the point times' rounding
+UNIT_TOLERANCE = 1e-9  # of a quaternion's length
+ROUNDING = 1e-12  # of the largest eigenvalue
+POSITION_LIMIT = 16.3  # quantile 0.999 of the chi-square distribution with 3 degrees of freedom
+TOPICS = {'/lidar_odometry/odometry': Odometry, '/lidar_odometry/state': State, '/imu_odometry': Odometry,
+          '/lidar_odometry/points': PointCloud2, '/lidar_odometry/map': PointCloud2, '/tf': TFMessage,
+          '/tf_static': TFMessage}
 
 
 def finite(message):
@@ -58,18 +58,44 @@ def finite(message):
     return all(math.isfinite(n) for n in numbers)
 
 
+def components(message):
+    """Of a point, vector or quaternion."""
+    return [getattr(message, name) for name in message.__slots__]
+
+
+def stamps_of(messages):
+    return [m.header.stamp.to_nsec() for m in messages]
+
+
+def eigenvalues(covariance):
+    """Ascending, of the 36 numbers of a message; None if it is not symmetric."""
+    matrix = numpy.reshape(covariance, (6, 6))
+    return numpy.linalg.eigvalsh(matrix) if (matrix == matrix.T).all() else None
+
+
+def tum(*path):
+    """Stamps [ns], positions and rotations of a trajectory."""
+    rows = [row.split() for row in read(*path).decode().splitlines() if not row.startswith('#')]
+    stamps = [int(seconds) * 10**9 + int(part.ljust(9, '0')) for seconds, part in (row[0].split('.') for row in rows)]
+    poses = [(numpy.array(row[1:4], float), rotation_of(*map(float, row[4:8]))) for row in rows]
+    return stamps, poses
+
+
+def rotation_of(x, y, z, w):
+    return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
 class BagLaunch(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.directory = tempfile.mkdtemp(prefix='allan_lio_bag_launch_')
         cls.bag = os.path.join(cls.directory, 'small.bag')
-        made = run('rosrun', 'allan_lio', 'simulate_bag', '--scene', 'rooms', '--imu', 'mti600', '--lidar',
-                   'velodyne16', '--seed', '1', '--duration', '12', '--out', cls.bag)
-        assert made.returncode == 0, made.stdout
+        run_well('rosrun', 'allan_lio', 'simulate_bag', '--scene', 'rooms', '--imu', 'mti600', '--lidar', 'velodyne16',
+                 '--seed', '1', '--duration', '12', '--out', cls.bag)
         cls.offline = os.path.join(cls.directory, 'offline')
-        made = run('rosrun', 'allan_lio', 'lio_offline', '--bag', cls.bag, '--config', 'simulated', '--out',
-                   cls.offline)
-        assert made.returncode == 0, made.stdout
+        run_well('rosrun', 'allan_lio', 'lio_offline', '--bag', cls.bag, '--config', 'simulated', '--out', cls.offline)
         cls.expected_scans = len(read(cls.offline, 'trajectory.tum').splitlines())
         rospy.init_node('bag_launch_test')
 
@@ -92,55 +118,87 @@ class BagLaunch(unittest.TestCase):
 
     def test_the_error_stays_within_what_thirty_runs_spread(self):
         out, launched = self.launch('error')
-        made = run('rosrun', 'allan_lio', 'evaluate_trajectory', '--reference', self.bag[:-4] + '.tum', '--estimate',
-                   os.path.join(out, 'trajectory.tum'), '--align', 'se3', '--json')
-        self.assertEqual(made.returncode, 0, made.stdout + launched.stdout)
+        made = run_well('rosrun', 'allan_lio', 'evaluate_trajectory', '--reference', self.bag[:-4] + '.tum',
+                        '--estimate', os.path.join(out, 'trajectory.tum'), '--align', 'se3', '--json')
         error = json.loads(made.stdout)
         self.assertEqual(error['matched'], self.expected_scans)
         self.assertLess(error['ate']['rmse'], ATE_TOLERANCE)
         self.assertLess(error['ate']['max'], ERROR_TOLERANCE)
 
-    def test_topics_and_transforms_are_published(self):
-        seen = {'odometry': [], 'state': [], 'imu': [], 'points': [], 'map': [], 'tf': []}
-
-        def keep(name):
-            return seen[name].append
-
-        subscribers = [
-            rospy.Subscriber('/lidar_odometry/odometry', Odometry, keep('odometry'), queue_size=1000),
-            rospy.Subscriber('/lidar_odometry/state', State, keep('state'), queue_size=1000),
-            rospy.Subscriber('/imu_odometry', Odometry, keep('imu'), queue_size=10000),
-            rospy.Subscriber('/lidar_odometry/points', PointCloud2, keep('points'), queue_size=1000),
-            rospy.Subscriber('/lidar_odometry/map', PointCloud2, keep('map'), queue_size=10),
-            rospy.Subscriber('/tf', TFMessage, keep('tf'), queue_size=1000)]
-        _, launched = self.launch('topics', 'rate:=4')
-        for subscriber in subscribers:
-            subscriber.unregister()
+    def test_topics_and_transforms_are_published_as_who_fuses_them_needs_them(self):
+        with Recording(TOPICS) as seen:
+            _, launched = self.launch('topics', 'rate:=4')
+        odometry, imu = seen['/lidar_odometry/odometry'], seen['/imu_odometry']
         # The first messages may come before a subscriber has connected.
-        self.assertGreater(len(seen['odometry']), self.expected_scans // 2, launched.stdout)
-        self.assertGreater(len(seen['state']), self.expected_scans // 2)
-        self.assertGreater(len(seen['points']), self.expected_scans // 2)
-        self.assertGreater(len(seen['imu']), 10 * self.expected_scans)
-        self.assertGreater(len(seen['map']), 0)
-        for message in seen['odometry'] + seen['imu']:
+        self.assertGreater(len(odometry), self.expected_scans // 2, launched.stdout)
+        self.assertGreater(len(seen['/lidar_odometry/state']), self.expected_scans // 2)
+        self.assertGreater(len(seen['/lidar_odometry/points']), self.expected_scans // 2)
+        self.assertGreater(len(imu), 10 * self.expected_scans)
+        self.assertGreater(len(seen['/lidar_odometry/map']), 0)
+        scans, _ = tum(self.offline, 'trajectory.tum')
+        self.check_odometry(odometry, SCAN_INTERVAL, scans[0])
+        self.check_odometry(imu, IMU_INTERVAL, scans[0])
+        self.assertEqual(len(scans), self.expected_scans)
+        self.assertEqual(stamps_of(odometry), scans[-len(odometry):], 'one message a scan')
+        self.check_error(odometry[-1])
+        self.check_error(imu[-1])
+        self.check_transforms(seen['/tf'] + seen['/tf_static'], odometry)
+        self.check_propagation(odometry, imu)
+
+    def check_odometry(self, messages, interval, first):
+        stamps = stamps_of(messages)
+        for before, now in zip(stamps, stamps[1:]):
+            self.assertLessEqual(abs(now - before - interval), STAMP_TOLERANCE)
+        for message in messages:
             self.assertTrue(finite(message))
             self.assertEqual((message.header.frame_id, message.child_frame_id), ('odom', 'base_link'))
-            self.assertGreater(min(message.pose.covariance[7 * i] for i in range(6)), -1e-12)
-            self.assertGreater(min(message.twist.covariance[7 * i] for i in range(6)), 0.0)
-        self.assertTrue(any(t.header.frame_id == 'odom' and t.child_frame_id == 'base_link'
-                            for message in seen['tf'] for t in message.transforms))
-        self.check_propagation(seen)
+            self.assertAlmostEqual(numpy.linalg.norm(components(message.pose.pose.orientation)), 1.0,
+                                   delta=UNIT_TOLERANCE)
+            pose, twist = eigenvalues(message.pose.covariance), eigenvalues(message.twist.covariance)
+            self.assertIsNotNone(pose)
+            if message.header.stamp.to_nsec() == first:  # no error since itself
+                self.assertFalse(any(message.pose.covariance))
+            else:
+                self.assertGreater(pose[0], 0.0)
+            self.assertIsNotNone(twist)
+            self.assertGreater(twist[0], -ROUNDING * twist[-1])
+            self.assertGreater(min(numpy.diag(numpy.reshape(message.twist.covariance, (6, 6)))), 0.0)
 
-    def check_propagation(self, seen):
+    def check_error(self, last):
+        """The covariance is that of the whole error since the first pose, which the truth is laid on."""
+        stamps, truth = tum(self.bag[:-4] + '.tum')
+        begins, poses = tum(self.offline, 'trajectory.tum')
+        way = numpy.transpose([position for position, _ in truth])
+        begin, end = (numpy.array([numpy.interp(t - stamps[0], numpy.array(stamps) - stamps[0], axis) for axis in way])
+                      for t in (begins[0], last.header.stamp.to_nsec()))
+        turn = poses[0][1] @ truth[0][1].T  # it starts at rest
+        error = components(last.pose.pose.position) - poses[0][0] - turn @ (end - begin)
+        covariance = numpy.reshape(last.pose.covariance, (6, 6))[:3, :3]
+        self.assertLess(error @ numpy.linalg.solve(covariance, error), POSITION_LIMIT)
+
+    def check_transforms(self, messages, odometry):
+        transforms = [transform for message in messages for transform in message.transforms]
+        self.assertEqual({(t.header.frame_id, t.child_frame_id) for t in transforms}, {('odom', 'base_link')})
+        stamps = stamps_of(transforms)
+        self.assertEqual(stamps, sorted(set(stamps)))
+        poses = {m.header.stamp: m.pose.pose for m in odometry}
+        common = [t for t in transforms if t.header.stamp in poses]
+        self.assertGreater(len(common), self.expected_scans // 2)
+        for t in common:
+            pose = poses[t.header.stamp]
+            self.assertEqual(components(t.transform.translation), components(pose.position))
+            self.assertEqual(components(t.transform.rotation), components(pose.orientation))
+
+    def check_propagation(self, odometry, propagated):
         """The propagated pose stays with the filter's: both are of the same moment within an IMU interval.
 
         How long the propagation goes on alone depends on the machine's load, so a few messages may lie farther off;
         a pose that was stale would be off by the walking speed times its age in all of them.
         """
-        filtered = {m.header.stamp.to_nsec(): m.pose.pose.position for m in seen['odometry']}
+        filtered = {m.header.stamp.to_nsec(): m.pose.pose.position for m in odometry}
         nearest = sorted(filtered)
         distances = []
-        for message in seen['imu']:
+        for message in propagated:
             stamp = message.header.stamp.to_nsec()
             close = [t for t in nearest if abs(t - stamp) < 3e6]
             if not close:
@@ -160,10 +218,8 @@ class BagLaunch(unittest.TestCase):
         out = os.path.join(self.directory, 'interrupted')
         process = subprocess.Popen(['roslaunch', '--wait', 'allan_lio', 'bag.launch', 'bag:=' + self.bag, 'out:=' + out,
                                     'rate:=2'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        until = time.time() + TIME_LIMIT
         trajectory = os.path.join(out, 'trajectory.tum')
-        while time.time() < until and not (os.path.exists(trajectory) and os.path.getsize(trajectory) > 1000):
-            time.sleep(0.05)
+        wait_until(lambda: os.path.exists(trajectory) and os.path.getsize(trajectory) > 1000, 'the first rows')
         process.send_signal(signal.SIGINT)
         process.wait(TIME_LIMIT)
         self.assertIn(b'interrupted', read(out, 'summary.yaml').splitlines()[0])
@@ -174,11 +230,15 @@ class BagLaunch(unittest.TestCase):
             self.assertTrue(read(self.offline, file).startswith(written), file)
             self.assertLess(len(written), len(read(self.offline, file)))
 
-    def test_extrinsics_come_from_tf(self):
-        config = os.path.join(self.directory, 'tf.yaml')
-        with open(config, 'w') as file:
-            file.write('include: [robots/simulated]\nframes: {extrinsics_from_tf: true}\n'
-                       'extrinsics: {T_imu_lidar: {translation: [9, 9, 9], rotation: [0, 0, 0, 1]}}\n')
+    def write_config(self, name, text):
+        path = os.path.join(self.directory, name)
+        with open(path, 'w') as file:
+            file.write('include: [robots/simulated]\n' + text)
+        return path
+
+    def test_extrinsics_come_from_tf_and_a_filter_that_shall_not_adds_nothing_to_it(self):
+        config = self.write_config('tf.yaml', 'frames: {extrinsics_from_tf: true, publish_tf: false}\n'
+                                   'extrinsics: {T_imu_lidar: {translation: [9, 9, 9], rotation: [0, 0, 0, 1]}}\n')
 
         def transform(parent, child, pose):
             return TransformStamped(Header(frame_id=parent), child,
@@ -186,16 +246,21 @@ class BagLaunch(unittest.TestCase):
 
         static = rospy.Publisher('/tf_static', TFMessage, queue_size=1, latch=True)
         static.publish(TFMessage([transform('base_link', 'imu', BASE_TO_IMU), transform('imu', 'lidar', EXTRINSICS)]))
-        odometry = []
-        subscriber = rospy.Subscriber('/imu_odometry', Odometry, odometry.append, queue_size=10000)
-        out, launched = self.launch('from_tf', 'config:=' + config, 'rate:=4')
-        subscriber.unregister()
+        with Recording({'/imu_odometry': Odometry, '/tf': TFMessage}) as seen:
+            out, launched = self.launch('from_tf', 'config:=' + config, 'rate:=4')
         static.unregister()
         self.assertEqual(read(out, 'trajectory.tum'), read(self.offline, 'trajectory.tum'), launched.stdout)
         in_force = rosgraph.Master('/bag_launch_test').getParam('/lidar_odometry/in_force/extrinsics/T_imu_lidar')
         self.assertEqual(in_force['translation'], list(EXTRINSICS[0]))
-        self.assertGreater(len(odometry), 10 * self.expected_scans)
-        self.check_twist(odometry)
+        self.assertEqual(seen['/tf'], [])
+        self.assertGreater(len(seen['/imu_odometry']), 10 * self.expected_scans)
+        self.check_twist(seen['/imu_odometry'])
+
+    def test_extrinsics_that_nobody_publishes_end_the_launch_with_a_sentence(self):
+        config = self.write_config('no_tf.yaml', 'frames: {extrinsics_from_tf: true}\n')
+        out, launched = self.launch('no_tf', 'config:=' + config)
+        self.assertIn("no transform from 'lidar' to 'imu'", launched.stdout)
+        self.assertFalse(os.path.exists(os.path.join(out, 'summary.yaml')))
 
     def check_twist(self, odometry):
         """The twist is the base's own: its length is that of the derivative of the base's position."""

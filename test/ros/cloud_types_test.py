@@ -14,7 +14,8 @@ import rospy
 import rostest
 from sensor_msgs.msg import LaserScan
 
-TIME_LIMIT = 60 * float(os.environ.get('ALLAN_LIO_SLOWER', 1))  # [s], of an ordinary build; scripts/test raises it for sanitized ones
+from ros_support import TIME_LIMIT, read, run, run_well
+
 LIVOX_TYPE = 'livox_ros_driver/CustomMsg'
 LIVOX_MD5SUM = 'e4d6829bdfe657cb6c21a746c86b21a6'
 LIVOX_DEFINITION = """std_msgs/Header header
@@ -24,16 +25,6 @@ uint8 lidar_id
 uint8[3] rsvd
 CustomPoint[] points
 """
-
-
-def run(*command):
-    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-                          timeout=TIME_LIMIT)
-
-
-def read(*path):
-    with open(os.path.join(*path), 'rb') as file:
-        return file.read()
 
 
 def livox_bytes(cloud):
@@ -51,9 +42,8 @@ class CloudTypes(unittest.TestCase):
     def setUpClass(cls):
         cls.directory = tempfile.mkdtemp(prefix='allan_lio_cloud_types_')
         cls.bag = os.path.join(cls.directory, 'small.bag')
-        made = run('rosrun', 'allan_lio', 'simulate_bag', '--scene', 'rooms', '--imu', 'mti600', '--lidar',
-                   'velodyne16', '--seed', '1', '--duration', '4', '--out', cls.bag)
-        assert made.returncode == 0, made.stdout
+        run_well('rosrun', 'allan_lio', 'simulate_bag', '--scene', 'rooms', '--imu', 'mti600', '--lidar', 'velodyne16',
+                 '--seed', '1', '--duration', '4', '--out', cls.bag)
 
     @classmethod
     def tearDownClass(cls):
@@ -83,8 +73,7 @@ class CloudTypes(unittest.TestCase):
 
         bag = self.converted('livox.bag', write)
         offline = os.path.join(self.directory, 'livox_offline')
-        made = run('rosrun', 'allan_lio', 'lio_offline', '--bag', bag, '--config', 'simulated', '--out', offline)
-        self.assertEqual(made.returncode, 0, made.stdout)
+        run_well('rosrun', 'allan_lio', 'lio_offline', '--bag', bag, '--config', 'simulated', '--out', offline)
         out, launched = self.launch(bag, 'livox_node')
         self.assertTrue(os.path.exists(os.path.join(out, 'trajectory.tum')), launched.stdout)
         self.assertGreater(len(read(out, 'trajectory.tum').splitlines()), 30, launched.stdout)

@@ -7,6 +7,7 @@ whatever ends the filter, its files are whole."""
 import fcntl
 import math
 import os
+import re
 import select
 import shutil
 import signal
@@ -15,46 +16,82 @@ import tempfile
 import time
 import unittest
 
+import numpy
 import rospy
 import rostest
 import yaml
-from nav_msgs.msg import Odometry
+from diagnostic_msgs.msg import DiagnosticArray, KeyValue
+from nav_msgs.msg import Odometry, Path
+from sensor_msgs.msg import PointCloud2, PointField
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
 
-from allan_lio.msg import State
+from allan_lio.msg import State, Status
+from ros_support import TIME_LIMIT, Recorder, Recording, read, run, run_well, wait_until
 
-TIME_LIMIT = 60 * float(os.environ.get('ALLAN_LIO_SLOWER', 1))  # [s], of an ordinary build; scripts/test raises it for sanitized ones
+ROOMS = ['--scene', 'rooms', '--imu', 'mti600', '--lidar', 'velodyne16', '--seed', '1']
 # The faults that don't disturb each other.
 DATA_FAULTS = ['points_invalid', 'scans_empty', 'scans_thin', 'scans_lie', 'imu_repeated', 'imu_backward',
                'imu_from_the_future', 'lidar_repeated', 'lidar_backward', 'imu_senseless', 'imu_gap_bridged']
 F_SETPIPE_SZ = 1031  # Linux; in Python's fcntl from 3.10 on
 ROOM_OF_A_ROW = 200  # [bytes] at least, of trajectory.tum
 A_WHILE = 2.0  # [s]
+# nodelet's own destructor aborts after it has ended the nodelets, if its bond with their loader is still being made.
+MANAGER_STATUSES = (0, -signal.SIGABRT)
 SILENCES = ['imu_gap_long', 'lidar_gap_long']
-
-
-def run(*command):
-    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-                          timeout=TIME_LIMIT)
-
-
-def run_well(*command):
-    done = run(*command)
-    assert done.returncode == 0, done.stdout
-    return done
-
-
-def read(*path):
-    with open(os.path.join(*path), 'rb') as file:
-        return file.read()
+# What they have dropped, by the names of ~status.
+DROPPED = {'clouds: undecodable', 'scans: not_newer_than_the_last', 'scans: too_few_points', 'imu: dropped_not_newer',
+           'imu: dropped_invalid', 'imu: gaps', 'points: invalid', 'points: out_of_range'}
+SCANS = 140  # of the bag without faults
+NO_TIMES_CLIPPED_GYRO = 'include: [robots/simulated]\nimu: {gyro_range: 1.0}\nlidar: {deskew: false}\n'
+# Faults that leave each other alone, the configuration, and what the summary must count, by the names of ~status.
+SURVIVED = [
+    (['lidar_from_the_future', 'lidar_gap'], 'simulated',
+     {'scans: used': SCANS - 1 - 20, 'scans: not_newer_than_the_last': 1, 'scans: map_restarts': 0}),
+    (['imu_gap_long'], 'simulated', {'scans: used': SCANS, 'imu: gaps': 1, 'imu: starts_in_place': 0}),
+    (['imu_gap_short', 'imu_saturated', 'no_time_field'], NO_TIMES_CLIPPED_GYRO,
+     {'scans: used': SCANS, 'imu: gaps': 0, 'imu: saturated': 65})]
+BEFORE_IT_IS_SET = 90  # scans at least, of the 100 before the clock is set
+# Everything that the nodelets publish.
+TOPICS = {'/lidar_odometry/odometry': Odometry, '/imu_odometry': Odometry, '/lidar_odometry/state': State,
+          '/lidar_odometry/status': Status, '/tf': TFMessage, '/lidar_odometry/path': Path,
+          '/lidar_odometry/markers': MarkerArray, '/lidar_odometry/points': PointCloud2,
+          '/lidar_odometry/map': PointCloud2, '/diagnostics': DiagnosticArray}
+EVERY_SCAN = ['/lidar_odometry/odometry', '/lidar_odometry/state', '/lidar_odometry/status', '/tf']
 
 
 def summary_of(out):
     return yaml.safe_load(read(out, 'summary.yaml'))
 
 
+def stamps_of(out):
+    return [float(row.split()[0]) for row in read(out, 'trajectory.tum').splitlines()]
+
+
+def count_of(summary, reason):
+    """What a summary counts, by its name in ~status."""
+    group, name = reason.split(': ')
+    if group == 'clouds':
+        found = re.search(r'(\d+) messages could not be decoded', '\n'.join(summary['notes']))
+        return int(found.group(1)) if found else 0
+    return {**summary[group], **summary[group].get('skipped_because', {})}[name]
+
+
+def as_number(word):
+    try:
+        return float(word)
+    except ValueError:
+        return 0.0
+
+
 def numbers(value):
-    """All numbers of a message, whatever their depth."""
-    if hasattr(value, '__slots__'):
+    """All numbers of a message, whatever their depth; of a cloud of floats one that is NaN or inf if any is."""
+    if isinstance(value, PointCloud2):
+        assert {f.datatype for f in value.fields} == {PointField.FLOAT32}
+        yield float(numpy.abs(numpy.frombuffer(value.data, '<f4')).max(initial=0.0))
+    elif isinstance(value, KeyValue):
+        yield from map(as_number, value.value.split())
+    elif hasattr(value, '__slots__'):
         for name in value.__slots__:
             yield from numbers(getattr(value, name))
     elif isinstance(value, (list, tuple)):
@@ -69,8 +106,7 @@ class Faults(unittest.TestCase):
     def setUpClass(cls):
         cls.directory = tempfile.mkdtemp(prefix='allan_lio_faults_')
         cls.bag = os.path.join(cls.directory, 'good.bag')
-        run_well('rosrun', 'allan_lio', 'simulate_bag', '--scene', 'rooms', '--imu', 'mti600', '--lidar', 'velodyne16',
-                 '--seed', '1', '--duration', '14', '--out', cls.bag)
+        run_well('rosrun', 'allan_lio', 'simulate_bag', *ROOMS, '--duration', '14', '--out', cls.bag)
         cls.good = cls.offline(cls.bag, 'good')
         rospy.init_node('faults_test')
 
@@ -79,50 +115,91 @@ class Faults(unittest.TestCase):
         shutil.rmtree(cls.directory, ignore_errors=True)
 
     @classmethod
-    def offline(cls, bag, name):
+    def offline(cls, bag, name, config='simulated'):
         out = os.path.join(cls.directory, name + '_offline')
-        run('rosrun', 'allan_lio', 'lio_offline', '--bag', bag, '--config', 'simulated', '--out', out)
+        run('rosrun', 'allan_lio', 'lio_offline', '--bag', bag, '--config', config, '--out', out)
         return out
+
+    def write(self, name, text):
+        path = os.path.join(self.directory, name)
+        with open(path, 'w') as file:
+            file.write(text)
+        return path
 
     def mutate(self, name, *faults):
         bag = os.path.join(self.directory, name + '.bag')
         run_well('rosrun', 'allan_lio', 'mutate_bag', self.bag, bag, *faults)
         return bag
 
-    def launch(self, bag, name):
+    def launch(self, bag, name, *arguments):
         out = os.path.join(self.directory, name)
-        done = run('roslaunch', '--wait', 'allan_lio', 'bag.launch', 'bag:=' + bag, 'out:=' + out)
+        done = run('roslaunch', '--wait', 'allan_lio', 'bag.launch', 'bag:=' + bag, 'out:=' + out, *arguments)
         return out, done.stdout
 
-    def expect_as_offline(self, bag, name):
+    def expect_as_offline(self, bag, name, *arguments, config='simulated'):
         """Returns the summary and what the launch printed."""
-        expected = self.offline(bag, name)
-        out, text = self.launch(bag, name)
+        expected = self.offline(bag, name, config)
+        out, text = self.launch(bag, name, 'config:=' + config, *arguments)
         for file in ('trajectory.tum', 'states.csv'):
             self.assertEqual(read(out, file), read(expected, file), file + '\n' + text)
+        self.expect_same_counts(out, expected, text)
+        return summary_of(out), text
+
+    def expect_same_counts(self, out, expected, text):
         summary, same = summary_of(out), summary_of(expected)
         for key in ('status', 'scans', 'points', 'imu'):
             self.assertEqual(summary[key], same[key], text)
-        return summary, text
 
-    def test_wrong_messages_are_survived_and_nothing_that_is_not_finite_is_published(self):
-        seen = {'odometry': [], 'imu': [], 'state': []}
-        subscribers = [
-            rospy.Subscriber('/lidar_odometry/odometry', Odometry, seen['odometry'].append, queue_size=1000),
-            rospy.Subscriber('/imu_odometry', Odometry, seen['imu'].append, queue_size=10000),
-            rospy.Subscriber('/lidar_odometry/state', State, seen['state'].append, queue_size=1000)]
-        summary, text = self.expect_as_offline(self.mutate('data', *DATA_FAULTS), 'data')
-        for subscriber in subscribers:
-            subscriber.unregister()
+    def test_wrong_messages_are_survived_and_said_and_nothing_that_is_not_finite_is_published(self):
+        with Recording(TOPICS) as seen:
+            # At a rate that leaves time for the diagnostics of every second.
+            summary, text = self.expect_as_offline(self.mutate('data', *DATA_FAULTS), 'data', 'rate:=4')
         self.assertEqual(summary['status'], 'complete', text)
         self.assertGreater(summary['scans']['used'], 120)
-        self.assertGreater(min(summary['points'].values()), 0)
-        self.assertGreater(summary['imu']['dropped_invalid'], 0)
-        self.assertGreater(summary['imu']['dropped_not_newer'], 0)
-        for name, messages in seen.items():
-            self.assertGreater(len(messages), 50, name)
-            for message in messages:
-                self.assertTrue(all(map(math.isfinite, numbers(message))), name)
+        for topic in TOPICS:
+            self.assertGreater(len(seen[topic]), 50 if topic in EVERY_SCAN else 0, topic)
+            for message in seen[topic]:
+                self.assertTrue(all(map(math.isfinite, numbers(message))), topic)
+
+        states, last = seen['/lidar_odometry/state'], seen['/lidar_odometry/status'][-1]
+        self.assertIn((State.TOO_FEW_POINTS, 0), {(m.outcome, m.points) for m in states}, 'the empty scans')
+        self.assertEqual(last.header.stamp, states[-1].header.stamp)
+        self.assertGreater(min(count.count for count in last.dropped), 0)
+        self.assertEqual({count.reason for count in last.dropped}, DROPPED)
+        for count in last.dropped:
+            # After the last status of all one more may have been dropped.
+            late = count_of(summary, count.reason) - count.count
+            self.assertTrue(0 <= late <= 1, '{}: {} fewer than in the summary'.format(count.reason, late))
+
+    def test_gaps_limits_and_what_is_switched_off_give_the_results_of_the_offline_runner(self):
+        for faults, config, counts in SURVIVED:
+            name = '_'.join(faults)
+            if config != 'simulated':
+                config = self.write(name + '.yaml', config)
+            summary, text = self.expect_as_offline(self.mutate(name, *faults), name, config=config)
+            self.assertEqual(summary['status'], 'complete', text)
+            self.assertEqual({reason: count_of(summary, reason) for reason in counts}, counts, name)
+
+    def test_a_clock_that_is_set_forward_starts_again_in_place_and_is_said(self):
+        bag = self.mutate('forward', 'clock_set_forward')
+        out, text = self.launch(bag, 'forward')
+        expected = self.offline(bag, 'forward')
+        self.assertIn('started again where it stood', text)
+        self.assertEqual(summary_of(out)['imu']['starts_in_place'], 1)
+        # How far the IMU's clock runs ahead of the scans' when it is set is left to the network.
+        self.expect_same_counts(out, expected, text)
+        rows, same = (read(d, 'trajectory.tum').splitlines() for d in (out, expected))
+        self.assertEqual(len(rows), len(same))
+        self.assertEqual(rows[:BEFORE_IT_IS_SET], same[:BEFORE_IT_IS_SET])
+
+    def test_an_output_that_cannot_be_written_ends_node_and_launch_with_a_sentence(self):
+        said = '/dev/null/out: cannot be created'
+        node = run('rosrun', 'allan_lio', 'lidar_odometry_node', '_config:=simulated', '_out:=/dev/null/out')
+        self.assertEqual(node.returncode, 1, node.stdout)
+        self.assertIn(said, node.stdout)
+        launched = run('roslaunch', '--wait', 'allan_lio', 'bag.launch', 'bag:=' + self.bag, 'out:=/dev/null/out')
+        self.assertIn(said, launched.stdout)
+        self.assertNotIn('samples played', launched.stdout)
 
     def test_a_long_silence_starts_again_in_place_and_is_said(self):
         summary, text = self.expect_as_offline(self.mutate('silence', *SILENCES), 'silence')
@@ -168,25 +245,46 @@ class Faults(unittest.TestCase):
 
     # --- the end of the filter at any moment ---
 
-    def interrupt(self, name, start, stop, delay):
-        """`start` makes the filter's processes, `stop` ends the filter `delay` [s] after its first results."""
+    @staticmethod
+    def start(*command):
+        return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def start_node(self, out):
+        """The process whose end ends the filter comes first here and below."""
+        return [self.start('rosrun', 'allan_lio', 'lidar_odometry_node', '__name:=filter', '_config:=simulated',
+                           '_out:=' + out)]
+
+    def start_manager(self, out):
+        manager = self.start('rosrun', 'nodelet', 'nodelet', 'manager', '__name:=manager')
+        return [manager, self.start('rosrun', 'nodelet', 'nodelet', 'load', 'allan_lio/LidarOdometry', 'manager',
+                                    '__name:=filter', '_config:=simulated', '_out:=' + out)]
+
+    def start_nodelet(self, out):
+        return self.start_manager(out)[::-1]
+
+    def play(self, bag):
+        return self.start('rosrun', 'allan_lio', 'play_bag', bag, '--rate', '4', '--filter', 'filter')
+
+    @staticmethod
+    def end(processes):
+        for process in processes:
+            process.terminate()
+            process.wait(TIME_LIMIT)
+
+    def interrupt(self, name, start, stop, delay, statuses=(0,)):
+        """`stop` ends the first of the processes of `start`, `delay` [s] after its first results; None: before them."""
         out = os.path.join(self.directory, name)
         processes = start(out)
-        player = subprocess.Popen(['rosrun', 'allan_lio', 'play_bag', self.bag, '--rate', '4', '--filter', 'filter'],
-                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        waits_for = os.path.join(out, 'states.csv' if delay is None else 'trajectory.tum')
+        player = [] if delay is None else [self.play(self.bag)]
         try:
-            trajectory, until = os.path.join(out, 'trajectory.tum'), time.time() + TIME_LIMIT
-            while time.time() < until and not (os.path.exists(trajectory) and os.path.getsize(trajectory) > 0):
-                time.sleep(0.02)
-            time.sleep(delay)
-            stop(processes)
-            while time.time() < until and not os.path.exists(os.path.join(out, 'summary.yaml')):
-                time.sleep(0.02)
+            wait_until(lambda: os.path.exists(waits_for) and os.path.getsize(waits_for) > 0, waits_for)
+            time.sleep(delay or 0.0)
+            stop(processes[0])
+            self.assertIn(processes[0].wait(TIME_LIMIT), statuses, name)
+            self.expect_whole(out)
         finally:
-            for process in [player] + processes:
-                process.terminate()
-                process.wait(TIME_LIMIT)
-        self.expect_whole(out)
+            self.end(player + processes)
 
     def expect_whole(self, out):
         summary = summary_of(out)
@@ -195,82 +293,87 @@ class Faults(unittest.TestCase):
         self.assertEqual(rows.count(b'\n'), summary['scans']['used'])
         for file in ('trajectory.tum', 'states.csv'):
             written = read(out, file)
-            self.assertTrue(written.endswith(b'\n'), file)
+            self.assertIn(written[-1:], (b'', b'\n'), file)
             self.assertTrue(read(self.good, file).startswith(written), file)
             self.assertLess(len(written), len(read(self.good, file)))
-
-    @staticmethod
-    def start(*command):
-        return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-    def start_node(self, out):
-        return [self.start('rosrun', 'allan_lio', 'lidar_odometry_node', '__name:=filter', '_config:=simulated',
-                           '_out:=' + out)]
-
-    def start_nodelet(self, out):
-        manager = self.start('rosrun', 'nodelet', 'nodelet', 'manager', '__name:=manager')
-        return [manager, self.start('rosrun', 'nodelet', 'nodelet', 'load', 'allan_lio/LidarOdometry', 'manager',
-                                    '__name:=filter', '_config:=simulated', '_out:=' + out)]
 
     def test_signals_to_the_node_leave_whole_files(self):
         for number, name in ((signal.SIGTERM, 'term'), (signal.SIGINT, 'int')):
             for delay in (0.0, 0.83):
                 self.interrupt('node_{}_{}'.format(name, delay), self.start_node,
-                               lambda processes: processes[0].send_signal(number), delay)
+                               lambda process: process.send_signal(number), delay)
 
     def test_a_signal_to_the_manager_leaves_whole_files(self):
         for delay in (0.1, 0.57):
-            self.interrupt('manager_{}'.format(delay), self.start_nodelet,
-                           lambda processes: processes[0].send_signal(signal.SIGTERM), delay)
+            self.interrupt('manager_{}'.format(delay), self.start_manager,
+                           lambda process: process.send_signal(signal.SIGTERM), delay, MANAGER_STATUSES)
 
     def test_unloading_the_nodelet_leaves_whole_files(self):
         for delay in (0.2, 0.71):
             self.interrupt('unload_{}'.format(delay), self.start_nodelet,
-                           lambda processes: processes[1].send_signal(signal.SIGINT), delay)
+                           lambda process: process.send_signal(signal.SIGINT), delay)
 
-    def test_a_signal_in_the_midst_of_a_callback_leaves_whole_files(self):
-        # The trajectory is a pipe with room for its first row: the callback that writes the next ones, a second of data
-        # later, stands still until somebody reads. By then the manager has let go of the nodelet: only the nodelet's
-        # callback queue keeps it alive.
-        out = os.path.join(self.directory, 'midst')
+    def test_a_signal_before_the_first_scan_leaves_whole_files(self):
+        for start, statuses in ((self.start_node, (0,)), (self.start_manager, MANAGER_STATUSES)):
+            self.interrupt('early_' + start.__name__, start, lambda process: process.send_signal(signal.SIGINT), None,
+                           statuses)
+
+    def test_rosnode_kill_leaves_whole_files(self):
+        for start in (self.start_node, self.start_nodelet):
+            self.interrupt('kill_' + start.__name__, start, lambda _: run_well('rosnode', 'kill', '/filter'), 0.3)
+
+    def stop_a_writer(self, name, bag, last_before):
+        """Ends the manager while it writes what follows the state of `last_before` [s].
+
+        The trajectory is a pipe with room for its first row: whoever writes the next ones stands still until somebody
+        reads. By then the manager has let go of the nodelet: only the nodelet's callback queue keeps it alive.
+        """
+        out = os.path.join(self.directory, name)
         trajectory = os.path.join(out, 'trajectory.tum')
         os.makedirs(out)
         os.mkfifo(trajectory)
         pipe = os.open(trajectory, os.O_RDWR | os.O_NONBLOCK)
         filler = b'x' * (fcntl.fcntl(pipe, F_SETPIPE_SZ, 4096) - ROOM_OF_A_ROW)
         os.write(pipe, filler)
-        seen = []
-        subscriber = rospy.Subscriber('/filter/state', State, seen.append, queue_size=1000)
-        stamps = [float(row.split()[0]) for row in read(self.good, 'trajectory.tum').splitlines()]
-        last_before = max(t for t in stamps if t < stamps[0] + 1.0)
-
-        processes = self.start_nodelet(out)
+        states = Recorder('/filter/state', State)
+        processes = self.start_manager(out)
         manager = processes[0]
-        processes.append(self.start('rosrun', 'allan_lio', 'play_bag', self.bag, '--rate', '4', '--filter', 'filter'))
+        processes.append(self.play(bag))
         try:
-            until = time.time() + TIME_LIMIT
-            while time.time() < until and not (seen and seen[-1].header.stamp.to_sec() > last_before - 1e-3):
-                time.sleep(0.02)
-            time.sleep(A_WHILE)  # the next scan's callback begins
+            wait_until(lambda: states.messages and states.messages[-1].header.stamp.to_sec() > last_before - 1e-3,
+                       'the last state before the writer stands still')
+            time.sleep(A_WHILE)  # the next scan's callback begins, or that of the end
             manager.send_signal(signal.SIGTERM)
             time.sleep(A_WHILE)  # the manager has come to delete its nodelets
             self.assertIsNone(manager.poll())
-            written = b''
+            written, until = b'', time.time() + TIME_LIMIT
             while time.time() < until and (manager.poll() is None or select.select([pipe], [], [], 0.0)[0]):
                 if select.select([pipe], [], [], 0.02)[0]:
                     written += os.read(pipe, 65536)
         finally:
-            subscriber.unregister()
+            states.end()
             os.close(pipe)
-            for process in processes:
-                process.terminate()
-                process.wait(TIME_LIMIT)
+            self.end(processes)
         self.assertEqual(manager.returncode, 0)
         os.remove(trajectory)
         with open(trajectory, 'wb') as file:
             file.write(written[len(filler):])
-        self.expect_whole(out)
         self.assertGreater(len(written), len(filler) + 2 * ROOM_OF_A_ROW, 'no callback stood still')
+        return out
+
+    def test_a_signal_in_the_midst_of_a_callback_leaves_whole_files(self):
+        stamps = stamps_of(self.good)
+        # Rows are written out every second of data.
+        self.expect_whole(self.stop_a_writer('midst', self.bag, max(t for t in stamps if t < stamps[0] + 1.0)))
+
+    def test_a_signal_while_the_run_ends_leaves_whole_files(self):
+        bag = os.path.join(self.directory, 'second.bag')
+        run_well('rosrun', 'allan_lio', 'simulate_bag', *ROOMS, '--duration', '1', '--out', bag)
+        expected = self.offline(bag, 'second')
+        out = self.stop_a_writer('finish', bag, stamps_of(expected)[-1])
+        self.assertEqual(summary_of(out)['status'], 'complete')
+        for file in ('trajectory.tum', 'states.csv'):
+            self.assertEqual(read(out, file), read(expected, file), file)
 
 
 if __name__ == '__main__':

@@ -23,15 +23,18 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, PointCloud2
 from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-TIME_LIMIT = 60 * float(os.environ.get('ALLAN_LIO_SLOWER', 1))  # [s], of an ordinary build; scripts/test raises it for sanitized ones
+from ros_support import TIME_LIMIT, Recorder, read, run, run_well, wait_until
+
 RATE = 2  # times real time
 GYRO_BIAS = 9  # its first row in State.covariance
 UNDER_WAY = 2  # scans that may have been taken before a parameter that was set just now
 ARRIVED = 0.5  # [s] after which a parameter that was set has reached the nodelet
 SET_POSE = (40.0, -30.0, 2.0)  # [m]
 SIGMA_SET = 0.3  # [m]
+BACK = 1.0  # [s] that the stamps must go back by for a new recording
 NEAR = 2.0  # [m] that the simulated robot walks in the second or so after a pose was set
 
 TWO_ROBOTS = """<launch>
@@ -65,11 +68,6 @@ TWO_ROBOTS = """<launch>
 """
 
 
-def run(*command):
-    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-                          timeout=TIME_LIMIT)
-
-
 def sigma(state, index):
     return math.sqrt(state.covariance[24 * index])
 
@@ -77,6 +75,12 @@ def sigma(state, index):
 def position(odometry):
     p = odometry.pose.pose.position
     return p.x, p.y, p.z
+
+
+def stamp_of(message):
+    """[s]"""
+    header = message.transforms[0].header if isinstance(message, TFMessage) else message.header
+    return header.stamp.to_sec()
 
 
 def level_of(status):
@@ -89,8 +93,7 @@ def pid_of(node):
 
 
 def unload(nodelet, manager):
-    unloaded = run('rosrun', 'nodelet', 'nodelet', 'unload', nodelet, manager)
-    assert unloaded.returncode == 0, unloaded.stdout
+    run_well('rosrun', 'nodelet', 'nodelet', 'unload', nodelet, manager)
 
 
 def real_time_threads(pid):
@@ -105,28 +108,6 @@ def real_time_is_allowed():
     return run('/usr/bin/python3', '-c', asks).returncode == 0
 
 
-class Recorder:
-    """The messages of a topic, in order."""
-
-    def __init__(self, topic, kind):
-        self.messages = []
-        self.subscriber = rospy.Subscriber(topic, kind, self.messages.append, queue_size=1000)
-
-    def wait(self, count, condition=lambda message: True):
-        """Until so many more messages meet the condition; gives the last of them."""
-        seen, begin = 0, len(self.messages)
-        until = time.time() + TIME_LIMIT
-        while time.time() < until:
-            while begin < len(self.messages):
-                message = self.messages[begin]
-                begin += 1
-                seen += bool(condition(message))
-                if seen == count:
-                    return message
-            time.sleep(0.005)
-        raise AssertionError('{} of {} messages in {} s'.format(seen, count, TIME_LIMIT))
-
-
 class PacedPlayer:
     """Publishes a bag's sensors as far as it is told."""
 
@@ -134,9 +115,7 @@ class PacedPlayer:
         self.messages = rosbag.Bag(bag).read_messages(['/imu/data', '/points'])
         self.publishers = {'/imu/data': rospy.Publisher('/imu/data', Imu, queue_size=4000),
                            '/points': rospy.Publisher('/points', PointCloud2, queue_size=20)}
-        until = time.time() + TIME_LIMIT
-        while any(p.get_num_connections() == 0 for p in self.publishers.values()) and time.time() < until:
-            time.sleep(0.02)
+        wait_until(lambda: all(p.get_num_connections() for p in self.publishers.values()), 'the nodelets listen')
 
     def scans(self, count):
         while count > 0:
@@ -151,17 +130,16 @@ class LiveNode(unittest.TestCase):
     def setUpClass(cls):
         cls.directory = tempfile.mkdtemp(prefix='allan_lio_live_node_')
         cls.bag = os.path.join(cls.directory, 'small.bag')
-        made = run('rosrun', 'allan_lio', 'simulate_bag', '--scene', 'rooms', '--imu', 'mti600', '--lidar',
-                   'velodyne16', '--seed', '1', '--duration', '40', '--out', cls.bag)
-        assert made.returncode == 0, made.stdout
+        run_well('rosrun', 'allan_lio', 'simulate_bag', '--scene', 'rooms', '--imu', 'mti600', '--lidar', 'velodyne16',
+                 '--seed', '1', '--duration', '40', '--out', cls.bag)
         rospy.init_node('live_node_test')
 
     @classmethod
     def tearDownClass(cls):
         shutil.rmtree(cls.directory, ignore_errors=True)
 
-    def start(self, *command):
-        log = open(os.path.join(self.directory, 'log'), 'w')
+    def start(self, *command, log='log'):
+        log = open(os.path.join(self.directory, log), 'w')
         process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
 
         def end():
@@ -179,8 +157,7 @@ class LiveNode(unittest.TestCase):
 
     def said(self):
         """What the nodes of the launch have printed."""
-        with open(os.path.join(self.directory, 'log')) as file:
-            return file.read()
+        return read(self.directory, 'log').decode()
 
     def wait_for_parameter(self, name, value):
         until = time.time() + TIME_LIMIT
@@ -256,12 +233,15 @@ class LiveNode(unittest.TestCase):
         self.launch()
         odometry.wait(30)
         save = rospy.ServiceProxy('/lidar_odometry/save_map', SaveMap)
-        saved = save('')
-        self.assertTrue(saved.success, saved.message)
-        with open(os.path.join(self.directory, 'out', 'map.pcd'), 'rb') as file:
-            header = file.read(400)
-        self.assertIn(b'FIELDS x y z', header)
-        self.assertIn(b'POINTS ' + saved.message.split()[-2].encode(), header)
+        out, elsewhere = os.path.join(self.directory, 'out'), os.path.join(self.directory, 'elsewhere.pcd')
+        for path, expected in (('', os.path.join(out, 'map.pcd')), ('part.pcd', os.path.join(out, 'part.pcd')),
+                               (elsewhere, elsewhere)):
+            saved = save(path)
+            self.assertTrue(saved.success, saved.message)
+            self.assertTrue(saved.message.startswith(expected + ': '), saved.message)
+            header = read(expected)[:400]
+            self.assertIn(b'FIELDS x y z', header)
+            self.assertIn(b'POINTS ' + saved.message.split()[-2].encode(), header)
         refused = save('/nowhere/map.pcd')
         self.assertFalse(refused.success)
         self.assertIn('/nowhere/map.pcd', refused.message)
@@ -284,6 +264,29 @@ class LiveNode(unittest.TestCase):
         again = odometry.wait(1 + UNDER_WAY)
         self.assertLess(math.dist(position(again), (0, 0, 0)), NEAR)
         self.assertLess(math.sqrt(again.pose.covariance[0]), SIGMA_SET)
+
+    def test_a_simulated_clock_that_is_set_back_is_said_once_and_all_goes_on(self):
+        rospy.set_param('/use_sim_time', True)
+        self.addCleanup(rospy.delete_param, '/use_sim_time')
+        self.start('roslaunch', '--wait', 'allan_lio', 'lio.launch', log='clock')
+        recorders = {'/lidar_odometry/odometry': Recorder('/lidar_odometry/odometry', Odometry),
+                     '/imu_odometry': Recorder('/imu_odometry', Odometry), '/tf': Recorder('/tf', TFMessage)}
+        odometry = recorders['/lidar_odometry/odometry']
+        play = ('rosrun', 'allan_lio', 'play_bag', self.bag, '--rate', str(RATE))
+        end = self.start(*play)
+        odometry.wait(30)
+        end()
+        turned = stamp_of(odometry.messages[-1])
+        begun = {topic: len(recorder.messages) for topic, recorder in recorders.items()}
+        self.start(*play)
+        odometry.wait(1, lambda m: stamp_of(m) < turned - BACK)
+        odometry.wait(1, lambda m: stamp_of(m) > turned)
+        for topic, recorder in recorders.items():
+            again = [m for m in recorder.messages[begun[topic]:] if stamp_of(m) < turned - BACK]
+            self.assertGreater(len(again), 10, topic)
+            self.assertGreater(stamp_of(recorder.messages[-1]), turned - BACK, topic)
+            self.assertEqual(again, sorted(again, key=stamp_of), topic)
+        self.assertEqual(read(self.directory, 'clock').count(b'the stamps went back by'), 1)
 
     def test_status_diagnostics_and_markers_say_how_it_goes(self):
         status = Recorder('/lidar_odometry/status', Status)
