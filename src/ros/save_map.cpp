@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <string>
 
 namespace allan_lio {
 
@@ -29,12 +30,13 @@ void save_map(const std::string& path, const std::vector<WorldPoint>& points) {
     cloud.push_back(point);
   }
   try {
-    if (pcl::io::savePCDFileBinaryCompressed(part, cloud) == 0) return std::filesystem::rename(part, path);
+    const int status = pcl::io::savePCDFileBinaryCompressed(part, cloud);
+    if (status != 0) throw std::runtime_error("PCL gives up with status " + std::to_string(status));
+    std::filesystem::rename(part, path);
   } catch (const std::exception& error) {
     std::remove(part.c_str());
     throw std::runtime_error("cannot write " + path + ": " + error.what());
   }
-  throw std::runtime_error("cannot write " + path);
 }
 
 }  // namespace allan_lio

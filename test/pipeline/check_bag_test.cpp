@@ -150,6 +150,45 @@ TEST(CheckBag, LivoxCustomMsgIsReadAndItsSettingsSuggested) {
   EXPECT_TRUE(livox.says("lidar/livox]")) << livox.text;
 }
 
+/// The first point's ring: that of the last beam tells how many there are.
+void set_first_ring(sensor_msgs::PointCloud2& cloud, std::uint16_t ring) {
+  for (const sensor_msgs::PointField& field : cloud.fields)
+    if (field.name == "ring") std::memcpy(&cloud.data[field.offset], &ring, sizeof ring);
+}
+
+TEST(CheckBag, EveryDriversSettingsAreSuggested) {
+  struct Recording {
+    const char* driver;
+    const char* frame;
+    std::uint16_t ring;
+    const char* settings;
+  };
+  constexpr Recording kRecordings[] = {
+      {"velodyne", "velodyne", 15, "velodyne16"}, {"velodyne", "velodyne", 31, "velodyne32"},
+      {"velodyne", "velodyne", 63, "velodyne64"}, {"ouster", "os_sensor", 63, "ouster"},
+      {"hesai", "PandarQT", 31, "hesai"},         {"robosense", "rslidar", 15, "robosense"},
+      {"livox", "livox_frame", 3, "livox"},
+  };
+  for (const Recording& recording : kRecordings) {
+    SCOPED_TRACE(recording.settings);
+    const std::string driver = recording.driver;
+    const CheckedBag checked({{}, [&](sensor_msgs::PointCloud2& cloud) {
+                                const bool clock = driver != "velodyne" && driver != "ouster";
+                                const double per_second = driver == "ouster" || driver == "livox" ? 1e9 : 1.0;
+                                const double zero = clock ? per_second * cloud.header.stamp.toSec() : 0.0;
+                                cloud = in_layout(cloud, layout_of(driver), zero, per_second);
+                                cloud.header.frame_id = recording.frame;
+                                if (driver != "livox") set_first_ring(cloud, recording.ring);
+                                return true;
+                              }});
+    EXPECT_EQ(checked.status, 0) << checked.text;
+    const std::string settings = recording.settings;
+    EXPECT_TRUE(checked.says("settings of config/lidar/" + settings + "\n")) << checked.text;
+    EXPECT_TRUE(checked.says("lidar/" + settings + "]")) << checked.text;
+    EXPECT_EQ(run_tool("lio_parameters --config " + checked.config()).status, 0);
+  }
+}
+
 TEST(CheckBag, ABagThatIsCutOffIsCheckedAsFarAsItGoes) {
   CheckedBag cut({});
   std::filesystem::resize_file(cut.bag(), std::filesystem::file_size(cut.bag()) / 2);

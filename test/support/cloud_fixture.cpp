@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_fixture.h"
 
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
 
@@ -44,7 +45,17 @@ double value_of(const std::string& field, const std::string& time_field, const F
   if (field == "y") return p.y;
   if (field == "z") return p.z;
   if (field == "tag") return p.tag;
+  if (field == "range") return std::isfinite(p.x) ? 1e3 * std::hypot(p.x, p.y, p.z) : 0.0;  // [mm]
   return field == "ring" || field == "line" ? 3.0 : p.intensity;
+}
+
+/// Another type in the field's place, or behind all else where it takes more room than the driver's own.
+void retype(std::uint8_t type, PointField& field, std::uint32_t& point_step) {
+  const bool wider = type >= kF64 && field.datatype < kF64;
+  field.datatype = type;
+  if (!wider) return;
+  field.offset = point_step;
+  point_step += sizeof(double);
 }
 
 template <class T>
@@ -66,11 +77,20 @@ const std::vector<FixtureLayout>& driver_layouts() {
         {"ring", kU16, 16},
         {"time", kF32, 18}},
        "time",
-       26},
+       22},
       {"ouster",
-       {{"x", kF32, 0}, {"y", kF32, 4}, {"z", kF32, 8}, {"intensity", kF32, 16}, {"t", kU32, 20}, {"ring", kU16, 28}},
+       {{"x", kF32, 0},
+        {"y", kF32, 4},
+        {"z", kF32, 8},
+        {"intensity", kF32, 16},
+        {"t", kU32, 20},
+        {"reflectivity", kU16, 24},
+        {"ring", kU16, 26},
+        {"ambient", kU16, 28},
+        {"range", kU32, 32}},
        "t",
-       48},
+       48,
+       64},
       {"hesai",
        {{"x", kF32, 0},
         {"y", kF32, 4},
@@ -84,7 +104,7 @@ const std::vector<FixtureLayout>& driver_layouts() {
        {{"x", kF32, 0},
         {"y", kF32, 4},
         {"z", kF32, 8},
-        {"intensity", kU8, 12},
+        {"intensity", kF32, 12},
         {"ring", kU16, 16},
         {"timestamp", kF64, 18}},
        "timestamp",
@@ -108,19 +128,21 @@ sensor_msgs::PointCloud2 make_cloud(const FixtureLayout& layout, std::uint8_t ti
   sensor_msgs::PointCloud2 cloud;
   cloud.header.stamp = to_ros_time(stamp);
   cloud.header.frame_id = "lidar";
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(points.size());
+  const auto count = static_cast<std::uint32_t>(points.size());
+  cloud.height = count > 0 && count % layout.rows == 0 ? layout.rows : 1;
+  cloud.width = count / cloud.height;
   cloud.point_step = layout.point_step;
-  cloud.row_step = cloud.width * cloud.point_step;
-  cloud.data.assign(cloud.row_step, 0xAB);
   for (const FixtureLayout::Field& field : layout.fields) {
     PointField to;
     to.name = field.name;
     to.offset = field.offset;
-    to.datatype = field.name == layout.time_field && time_type != 0 ? time_type : field.type;
+    to.datatype = field.type;
     to.count = 1;
+    if (field.name == layout.time_field && time_type != 0) retype(time_type, to, cloud.point_step);
     cloud.fields.push_back(to);
   }
+  cloud.row_step = cloud.width * cloud.point_step;
+  cloud.data.assign(std::size_t{cloud.row_step} * cloud.height, 0xAB);
   for (std::size_t i = 0; i < points.size(); ++i)
     for (const PointField& field : cloud.fields)
       put(&cloud.data[i * cloud.point_step + field.offset], field.datatype,

@@ -20,7 +20,7 @@ struct FixturePoint {
   std::uint8_t tag = 0;  ///< Livox's
 };
 
-/// How a driver lays out its points. The time field's type may be changed, its name and place are kept.
+/// How a driver lays out its points.
 struct FixtureLayout {
   struct Field {
     std::string name;
@@ -30,16 +30,19 @@ struct FixtureLayout {
   std::string driver;
   std::vector<Field> fields;
   std::string time_field;
-  std::uint32_t point_step;  ///< [bytes]; leaves 8 for the time
+  std::uint32_t point_step;  ///< [bytes]
+  std::uint32_t rows = 1;    ///< beams of an organised cloud
 };
 
 /// PCL's code for a field of 64-bit integers, which sensor_msgs/PointField does not have.
 constexpr std::uint8_t kUint64Code = 10;
 
-/// Velodyne, Ouster, Hesai, RoboSense, Livox (PointCloud2): names, types and order of their fields.
+/// Velodyne, Ouster, Hesai, RoboSense, Livox (PointCloud2): names, types and places of the fields as
+/// velodyne_pointcloud, ouster_ros, HesaiLidar_ROS, rslidar_sdk (XYZIRT) and livox_ros_driver2 publish them.
 const std::vector<FixtureLayout>& driver_layouts();
 
-/// A cloud in that layout, whose time field has this type (0: the driver's own). Numbers that the type does not hold
+/// A cloud in that layout, whose time field has this type (0: the driver's own; one that takes more room stands behind
+/// all other fields). Organised, row by row, if the points fill the layout's rows. Numbers that the type does not hold
 /// wrap as they do in a driver that casts them.
 sensor_msgs::PointCloud2 make_cloud(const FixtureLayout& layout, std::uint8_t time_type, TimeNs stamp,
                                     const std::vector<FixturePoint>& points);

@@ -131,6 +131,34 @@ TEST(DriverCloud, LivoxNanosecondsOfTheClockAreTold) {
   EXPECT_NE(decoder.verdict().find("float64 in ns of the clock"), std::string::npos) << decoder.verdict();
 }
 
+TEST(DriverCloud, AnOrganisedOusterCloudIsReadWithoutTheRaysThatMetNothing) {
+  constexpr std::uint32_t kRows = 64, kColumns = 32;
+  constexpr double kColumnStep = 3'000'000;  // [ns]
+  std::vector<FixturePoint> rays;
+  std::uint32_t lost = 0;
+  for (std::uint32_t row = 0; row < kRows; ++row) {
+    for (std::uint32_t column = 0; column < kColumns; ++column) {
+      rays.push_back({2.0F + static_cast<float>(column), static_cast<float>(row), 0.25F, 7.0F, kColumnStep * column});
+      if ((row + column) % 7 > 1) continue;
+      const float nothing = (row + column) % 7 == 0 ? 0.0F : std::nanf("");
+      rays.back().x = rays.back().y = rays.back().z = nothing;
+      ++lost;
+    }
+  }
+  sensor_msgs::PointCloud2 cloud = make_cloud(layout_of("ouster"), 0, kStamp, rays);
+  cloud.is_dense = 1;  // it says so whatever it holds
+  ASSERT_EQ(cloud.height, kRows);
+  ASSERT_EQ(cloud.width, kColumns);
+  const DecodedCloud decoded = CloudDecoder(options()).decode(cloud);
+  ASSERT_TRUE(decoded.scan) << decoded.error;
+  EXPECT_EQ(decoded.scan->dropped_invalid, lost);
+  ASSERT_EQ(decoded.scan->points.size(), rays.size() - lost);
+  for (const ScanPoint& p : decoded.scan->points) {
+    ASSERT_NEAR(p.offset_ns, kColumnStep * (p.x - 2.0), 1.0) << "its column's time";
+    ASSERT_EQ(p.intensity, 7.0F);
+  }
+}
+
 TEST(DriverCloud, TimesTooCoarseForASweepAreRefusedEvenWhenTheyDiffer) {
   constexpr TimeNs kJustBefore = 1600000000'950000000;  // the second changes within the sweep
   const std::vector<FixturePoint> seconds = points(1e-9 * kJustBefore, 1.0);
