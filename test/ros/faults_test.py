@@ -338,8 +338,9 @@ class Faults(unittest.TestCase):
         states = Recorder('/filter/state', State)
         processes = self.start_manager(out)
         manager = processes[0]
-        processes.append(self.play(bag))
         try:
+            wait_until(lambda: states.subscriber.get_num_connections() > 0, 'the filter is connected')
+            processes.append(self.play(bag))
             wait_until(lambda: states.messages and states.messages[-1].header.stamp.to_sec() > last_before - 1e-3,
                        'the last state before the writer stands still')
             time.sleep(A_WHILE)  # the next scan's callback begins, or that of the end
