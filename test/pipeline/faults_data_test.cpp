@@ -86,6 +86,17 @@ TEST(FaultyData, ASaturatedGyroIsCountedAndTrustedLess) {
   EXPECT_GT(ate_of(trusted.trajectory()), 0.1) << "0.54 measured";
 }
 
+TEST(FaultyData, ASaturatedAccelerometerIsCountedAndTrustedLess) {
+  const FaultyRun trusted({"imu_saturated_accel"});
+  const FaultyRun run({"imu_saturated_accel"}, "--param imu/accel_range=" + std::to_string(kClippedAccel));
+  run.expect_in_order();
+  EXPECT_GT(run.imu("saturated"), 400);
+  EXPECT_EQ(trusted.imu("saturated"), 0);
+  EXPECT_EQ(run.scans("used"), kScans);
+  EXPECT_LT(ate_of(run.trajectory()), kAteBound);
+  EXPECT_GT(ate_of(trusted.trajectory()), 0.1) << "6.2 measured";
+}
+
 TEST(FaultyData, AllOfThemAtOnceAreSurvived) {
   const FaultyRun run({"points_invalid", "scans_empty", "scans_thin", "scans_lie", "imu_repeated", "imu_backward",
                        "imu_from_the_future", "lidar_repeated", "lidar_backward", "imu_senseless", "imu_gap_bridged"});

@@ -3,6 +3,7 @@
 // Silence, and clocks that are wrong, injected into a bag.
 #include <gtest/gtest.h>
 
+#include "allan_lio/io/csv_table.h"
 #include "faulty_run.h"
 
 namespace allan_lio {
@@ -17,8 +18,25 @@ Trajectory tail(const Trajectory& whole, std::size_t first) {
   return {whole.begin() + static_cast<std::ptrdiff_t>(first), whole.end()};
 }
 
+/// A column of sigmas in states.csv for each of the three axes, by those of the bag without faults: the scans are the
+/// same.
+std::vector<double> sigmas_by_those_without_faults(const FaultyRun& run, const std::string& name) {
+  static const FaultyRun without({});
+  const CsvTable table(run.file("states.csv")), reference(without.file("states.csv"));
+  EXPECT_EQ(table.stamps(), reference.stamps());
+  std::vector<double> ratios;
+  for (const std::string& column : table.names_with("sigma_" + name + "_")) {
+    const std::vector<double> a = table.numbers(column), b = reference.numbers(column);
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) ratios.push_back(a[i] == b[i] ? 1.0 : a[i] / b[i]);
+  }
+  EXPECT_EQ(ratios.size(), 3U * kScans);
+  return ratios;
+}
+
 TEST(FaultyTime, AShortGapInTheImuIsBridgedWithoutAWord) {
   const FaultyRun run({"imu_gap_short"});
+  for (const char* name : {"theta", "v"})
+    for (const double ratio : sigmas_by_those_without_faults(run, name)) EXPECT_NEAR(ratio, 1.0, 0.05) << name;
   run.expect_in_order();
   EXPECT_EQ(run.imu("gaps"), 0);
   EXPECT_EQ(run.scans("used"), kScans);
@@ -29,6 +47,12 @@ TEST(FaultyTime, ALongerGapInTheImuIsCountedAndTheScansCarryOn) {
   for (const char* gap : {"imu_gap_bridged", "imu_gap_long"}) {
     const FaultyRun run({gap});
     run.expect_in_order();
+    // Some 0.3 m/s and 1.5 mrad where every scan sees the pose: the noise of what the gap may hide (0.5 rad/s, 2
+    // m/s^2).
+    const std::vector<double> theta = sigmas_by_those_without_faults(run, "theta");
+    const std::vector<double> velocity = sigmas_by_those_without_faults(run, "v");
+    EXPECT_GT(*std::max_element(theta.begin(), theta.end()), 1.3) << gap;
+    EXPECT_GT(*std::max_element(velocity.begin(), velocity.end()), 50.0) << gap;
     EXPECT_EQ(run.imu("gaps"), 1) << gap;
     EXPECT_EQ(run.imu("starts_in_place"), 0) << gap;
     EXPECT_EQ(run.scans("used"), kScans) << gap;

@@ -104,6 +104,12 @@ void saturate(sensor_msgs::Imu& imu, int) {
   rate = std::clamp(rate, -kClippedRate, kClippedRate);
 }
 
+/// The same of an accelerometer that measures up to kClippedAccel [m/s^2]; the walk's steps go beyond.
+void saturate_accel(sensor_msgs::Imu& imu, int) {
+  auto& accel = imu.linear_acceleration;
+  for (double* const axis : {&accel.x, &accel.y, &accel.z}) *axis = std::clamp(*axis, -kClippedAccel, kClippedAccel);
+}
+
 /// In turn: sizes beyond the data, a field beyond the point, no step, less data than said, steps that overflow.
 void lie(sensor_msgs::PointCloud2& cloud, int count) {
   constexpr auto kHuge = std::numeric_limits<std::uint32_t>::max();
@@ -169,6 +175,7 @@ const std::map<std::string, std::function<Mutation()>>& faults() {
       {"looped", [] { return loop(21.0); }},
       {"clock_set_forward", [] { return clock_step(10.0, 3600.0); }},
       {"imu_saturated", [] { return every_imu(1, saturate); }},
+      {"imu_saturated_accel", [] { return every_imu(1, saturate_accel); }},
       {"imu_senseless", [] { return every_imu(90, senseless); }},
       {"lidar_clock_off", [] { return every_cloud(1, lidar_clock_off); }},
   };

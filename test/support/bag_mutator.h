@@ -34,6 +34,9 @@ void cut_file(const std::string& from, const std::string& to, double part);
 /// Full scale of the gyro in the fault imu_saturated [rad/s].
 constexpr double kClippedRate = 1.0;
 
+/// Full scale of the accelerometer in the fault imu_saturated_accel [m/s^2].
+constexpr double kClippedAccel = 12.0;
+
 /// The fault of that name, as the rows of doc/faults.md call it. Every fault makes the same of the same bag. Throws
 /// std::invalid_argument listing the names.
 Mutation fault_by_name(const std::string& name);
