@@ -1,6 +1,7 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Livox's CustomMsg as its bytes come from a bag or a topic. First byte: with deskew or without.
+// Livox's CustomMsg as its bytes come from a bag or a topic. First byte: with deskew or without, with tagged points or
+// without.
 #include <cmath>
 
 #include "allan_lio/ros/decode_cloud.h"
@@ -11,7 +12,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace allan_lio;
   FuzzInput input(data, size);
   LioConfig::Lidar lidar{};
-  lidar.deskew = input.take<std::uint8_t>() % 2 == 0;
+  const std::uint8_t choice = input.take<std::uint8_t>();
+  lidar.deskew = (choice & 1U) == 0;
+  lidar.drop_tagged = (choice & 2U) == 0;
   lidar.min_range = 0.5;
   lidar.max_range = 100.0;
   const RawCloud cloud{"livox_ros_driver/CustomMsg", kLivoxCustomMd5sum, input.data(), input.size()};

@@ -1,7 +1,8 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
-// sensor_msgs/PointCloud2 as its bytes come from a bag or a topic. First byte: which of the options.
+// sensor_msgs/PointCloud2 as its bytes come from a bag or a topic. First two bytes: which of the options.
 #include <cmath>
+#include <iterator>
 
 #include "allan_lio/ros/cloud_wire.h"
 #include "allan_lio/ros/decode_cloud.h"
@@ -11,12 +12,17 @@ namespace {
 
 using namespace allan_lio;
 
-LioConfig::Lidar options(std::uint8_t choice) {
+constexpr unsigned kUnits = static_cast<unsigned>(TimeUnit::kNanoseconds) + 1;
+constexpr const char* kTimeFields[] = {"", "time", "t", "timestamp", "intensity", "x", "ring", "no such field"};
+
+/// `times`: the unit and the field of the points' times.
+LioConfig::Lidar options(std::uint8_t choice, std::uint8_t times) {
   LioConfig::Lidar lidar{};
   lidar.deskew = (choice & 1U) == 0;
   lidar.point_time = static_cast<PointTime>((choice >> 1U) & 3U);
-  lidar.time_unit = (choice & 8U) == 0 ? TimeUnit::kAuto : TimeUnit::kNanoseconds;
-  lidar.time_field = (choice & 16U) == 0 ? "" : "intensity";
+  lidar.drop_tagged = (choice & 8U) == 0;
+  lidar.time_unit = static_cast<TimeUnit>(times % kUnits);
+  lidar.time_field = kTimeFields[times / kUnits % std::size(kTimeFields)];
   lidar.min_range = 0.5;
   lidar.max_range = 100.0;
   return lidar;
@@ -35,7 +41,8 @@ void check(const Scan& scan, const LioConfig::Lidar& lidar) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   FuzzInput input(data, size);
-  const LioConfig::Lidar lidar = options(input.take<std::uint8_t>());
+  const auto choice = input.take<std::uint8_t>();
+  const LioConfig::Lidar lidar = options(choice, input.take<std::uint8_t>());
   const bool whole = holds_point_cloud(input.data(), input.size());
   if (!whole) return 0;
   sensor_msgs::PointCloud2 cloud;

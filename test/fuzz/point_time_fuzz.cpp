@@ -6,6 +6,12 @@
 #include "allan_lio/lidar/point_time.h"
 #include "fuzz_input.h"
 
+namespace {
+
+constexpr int kTypes = static_cast<int>(allan_lio::NumberType::kUint64);  // numbered from 1 on
+
+}  // namespace
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace allan_lio;
   FuzzInput input(data, size);
@@ -16,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (int i = 0; i < 3 && !detector.settled(); ++i) {
     PointTimeEvidence evidence;
     evidence.field = "time";
-    evidence.type = static_cast<NumberType>(1 + input.take<std::uint8_t>() % 8);
+    evidence.type = static_cast<NumberType>(1 + input.take<std::uint8_t>() % kTypes);
     evidence.points = input.take<std::uint16_t>();
     // As a header can hold them.
     evidence.stamp = static_cast<TimeNs>(input.take<std::uint32_t>()) * kNsPerSecond + input.take<std::uint32_t>();

@@ -94,7 +94,7 @@ TEST(FaultyData, ASaturatedAccelerometerIsCountedAndTrustedLess) {
   EXPECT_EQ(trusted.imu("saturated"), 0);
   EXPECT_EQ(run.scans("used"), kScans);
   EXPECT_LT(ate_of(run.trajectory()), kAteBound);
-  EXPECT_GT(ate_of(trusted.trajectory()), 0.1);
+  EXPECT_GT(ate_of(trusted.trajectory()), 0.1) << "6.2 measured";
 }
 
 TEST(FaultyData, AllOfThemAtOnceAreSurvived) {
