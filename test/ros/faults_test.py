@@ -36,6 +36,7 @@ DATA_FAULTS = ['points_invalid', 'scans_empty', 'scans_thin', 'scans_lie', 'imu_
 F_SETPIPE_SZ = 1031  # Linux; in Python's fcntl from 3.10 on
 ROOM_OF_A_ROW = 200  # [bytes] at least, of trajectory.tum
 A_WHILE = 2.0  # [s]
+FASTEST = 4.0  # [m/s], of one who walks
 # nodelet's own destructor aborts after it has ended the nodelets, if its bond with their loader is still being made.
 MANAGER_STATUSES = (0, -signal.SIGABRT)
 SILENCES = ['imu_gap_long', 'lidar_gap_long']
@@ -101,6 +102,12 @@ def numbers(value):
         yield value
 
 
+def speed(odometry):
+    """[m/s]"""
+    v = odometry.twist.twist.linear
+    return math.sqrt(v.x ** 2 + v.y ** 2 + v.z ** 2)
+
+
 class Faults(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -160,6 +167,12 @@ class Faults(unittest.TestCase):
             self.assertGreater(len(seen[topic]), 50 if topic in EVERY_SCAN else 0, topic)
             for message in seen[topic]:
                 self.assertTrue(all(map(math.isfinite, numbers(message))), topic)
+
+        # What the IMU cannot have measured is not integrated, nor a stamp from the future gone to.
+        stamps = [message.header.stamp.to_sec() for message in seen['/imu_odometry']]
+        self.assertEqual(stamps, sorted(set(stamps)))
+        self.assertLess(stamps[-1], A_WHILE + seen['/lidar_odometry/state'][-1].header.stamp.to_sec())
+        self.assertLess(max(speed(message) for message in seen['/imu_odometry']), FASTEST)
 
         states, last = seen['/lidar_odometry/state'], seen['/lidar_odometry/status'][-1]
         self.assertIn((State.TOO_FEW_POINTS, 0), {(m.outcome, m.points) for m in states}, 'the empty scans')
