@@ -26,12 +26,12 @@ from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from ros_support import TIME_LIMIT, Recorder, read, run, run_well, wait_until
+from ros_support import SLOWER, TIME_LIMIT, Recorder, read, run, run_well, wait_until
 
 RATE = 2  # times real time
 GYRO_BIAS = 9  # its first row in State.covariance
 UNDER_WAY = 2  # scans that may have been taken before a parameter that was set just now
-ARRIVED = 0.5  # [s] after which a parameter that was set has reached the nodelet
+ARRIVED = 1.0 * SLOWER  # [s] after which a parameter that was set has reached the nodelet
 SET_POSE = (40.0, -30.0, 2.0)  # [m]
 SIGMA_SET = 0.3  # [m]
 BACK = 1.0  # [s] that the stamps must go back by for a new recording
