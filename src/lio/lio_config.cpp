@@ -133,7 +133,8 @@ void declare_lidar(ParameterVisitor& v, LioConfig& c) {
             "What a point's time counts from: the sweep's start at the header stamp, its end at the header stamp, or "
             "the clock's epoch; auto tells by the first scan. For clouds without times, of a LiDAR that spins evenly "
             "and whose points come in the order of firing, they can be made from the azimuth, from the header stamp "
-            "on, by the way that it turns seen from above (a Velodyne's is azimuth_clockwise)."},
+            "on, by the way that it turns seen from above (a Velodyne's is azimuth_clockwise). The first point is then "
+            "at the stamp, whatever rays met nothing before it."},
            lidar.point_time, PointTime::kAuto,
            {"auto", "start", "end", "absolute", "azimuth_clockwise", "azimuth_counterclockwise"});
   v.option({"lidar/time_unit", "",

@@ -3,65 +3,14 @@
 // The format: http://wiki.ros.org/Bags/Format/2.0
 #include "allan_lio/ros/bag_stream.h"
 
-#include <bzlib.h>
-#include <roslz4/lz4s.h>
-
 #include <algorithm>
 #include <cstring>
 
+#include "allan_lio/ros/bag_format.h"
+
 namespace allan_lio {
-namespace {
 
-enum Op : char { kMessageOp = 2, kBagHeaderOp = 3, kChunkOp = 5, kConnectionOp = 7 };
-
-constexpr char kMagic[] = "#ROSBAG V2.0\n";
-constexpr std::size_t kMagicLength = sizeof kMagic - 1;
-constexpr std::uint32_t kLongestHeader = 1U << 24U;  // a record's header is some hundred bytes
-constexpr std::uint32_t kLargestChunk = 1U << 30U;   // rosbag's chunks are 768 kB and one message
-
-template <class T>
-T load_number(const char* from) {
-  T value;
-  std::memcpy(&value, from, sizeof value);
-  return value;
-}
-
-/// A field of a record's header, "length name=value" in a row.
-struct Field {
-  const char* data = nullptr;
-  std::size_t size = 0;
-
-  std::string text() const { return data == nullptr ? "" : std::string(data, size); }
-  template <class T>
-  bool get(T* value) const {
-    if (data == nullptr || size != sizeof(T)) return false;
-    *value = load_number<T>(data);
-    return true;
-  }
-};
-
-Field find_field(const char* header, std::size_t header_size, const char* name) {
-  const std::size_t name_length = std::strlen(name);
-  for (std::size_t at = 0; header_size - at >= 4;) {
-    const std::size_t length = load_number<std::uint32_t>(header + at);
-    at += 4;
-    if (length > header_size - at) break;
-    if (length > name_length && header[at + name_length] == '=' && std::memcmp(header + at, name, name_length) == 0)
-      return {header + at + name_length + 1, length - name_length - 1};
-    at += length;
-  }
-  return {};
-}
-
-Field find_field(const std::string& header, const char* name) { return find_field(header.data(), header.size(), name); }
-
-char op_of(const char* header, std::size_t size) {
-  char op = 0;
-  find_field(header, size, "op").get(&op);
-  return op;
-}
-
-}  // namespace
+using namespace bag_format;
 
 BagStream::BagStream(const std::string& file) : file_(file), stream_(file, std::ios::binary) {
   if (!stream_) throw BagError("cannot open the bag " + file);
@@ -91,8 +40,10 @@ bool BagStream::read_record(Record& record) {
   stream_.clear();
   stream_.seekg(static_cast<std::streamoff>(position_));
   char length[4];
-  if (!stream_.read(length, 4) || load_number<std::uint32_t>(length) > kLongestHeader) return fail("a header"), false;
-  record.header.resize(load_number<std::uint32_t>(length));
+  if (!stream_.read(length, 4)) return fail("a header"), false;
+  const std::uint32_t header_length = load_number<std::uint32_t>(length);
+  if (header_length > kLongestHeader || header_length > file_size_ - position_) return fail("a header"), false;
+  record.header.resize(header_length);
   if (!stream_.read(&record.header[0], static_cast<std::streamsize>(record.header.size())) || !stream_.read(length, 4))
     return fail("a header"), false;
   record.data = position_ + 8 + record.header.size();
@@ -120,15 +71,7 @@ bool BagStream::unpack(const Record& record) {
   if (compression == "none") return load(record, chunk_) && chunk_.size() == size;
   chunk_.clear();
   if (!load(record, stored_)) return false;
-  chunk_.resize(size);
-  unsigned unpacked = size;
-  const bool good =
-      compression == "bz2"
-          ? BZ2_bzBuffToBuffDecompress(chunk_.data(), &unpacked, stored_.data(), record.size, 0, 0) == BZ_OK
-      : compression == "lz4"
-          ? roslz4_buffToBuffDecompress(stored_.data(), record.size, chunk_.data(), &unpacked) == ROSLZ4_OK
-          : false;
-  if (!good || unpacked != size) chunk_.clear();
+  if (!unpack_chunk(compression, stored_, size, chunk_)) chunk_.clear();
   return !chunk_.empty();
 }
 
@@ -180,12 +123,7 @@ bool BagStream::walk_chunk(const std::set<std::string>& topics, const std::funct
 void BagStream::add_connection(const char* header, std::size_t header_size, const char* data, std::size_t size) {
   std::uint32_t id = 0;
   if (!find_field(header, header_size, "conn").get(&id) || by_id_.count(id) > 0) return;
-  const auto connection = std::make_shared<BagConnection>();
-  connection->topic = find_field(header, header_size, "topic").text();
-  connection->datatype = find_field(data, size, "type").text();
-  connection->md5sum = find_field(data, size, "md5sum").text();
-  connection->definition = find_field(data, size, "message_definition").text();
-  connection->latching = find_field(data, size, "latching").text() == "1";
+  const auto connection = read_connection(header, header_size, data, size);
   by_id_[id] = connection;
   connections_.push_back(connection);
 }

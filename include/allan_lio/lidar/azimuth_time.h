@@ -15,9 +15,10 @@ struct LidarTurn {
 };
 
 /// Gives the scan's points times by their azimuth (atan2(y, x), LiDAR frame): the first point is at the stamp, and each
-/// later one as far behind it as the head has turned since. The points must come in the order of firing; a point may
-/// lie up to 30 degrees behind the foremost one before it (lasers that look ahead). A sentence, and the times as they
-/// were, if they do not: a cloud sorted by rings turns once a ring.
+/// later one as far behind it as the head has turned since, so that a sweep whose first rays meet nothing is that much
+/// too early. The points must come in the order of firing; a point may lie up to 30 degrees behind the foremost one
+/// before it (lasers that look ahead). A sentence, and the times as they were, if they do not: a cloud sorted by rings
+/// turns once a ring.
 std::string set_times_by_azimuth(const LidarTurn& turn, Scan& scan);
 
 }  // namespace allan_lio

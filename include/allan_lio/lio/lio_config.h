@@ -94,7 +94,7 @@ struct LioConfig {
   } frames;
 
   int threads;
-  int realtime_priority;
+  int realtime_priority;  ///< SCHED_FIFO, 1 to 99, of the propagation at the rate of the IMU; 0: none
 };
 
 /// The one declaration of every parameter: key, default, unit, range and sentence.
