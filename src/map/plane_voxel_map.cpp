@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "allan_lio/map/epoch_sieve.h"
 #include "allan_lio/map/voxel_map.h"
 #include "allan_lio/map/voxel_store.h"
 #include "plane_voxel.h"
@@ -34,7 +35,7 @@ class PlaneVoxelMap : public VoxelMap {
                 kLeastAspect,
                 kMinPoints,
                 kMaxIndependent},
-        store_(options.voxel_size, options.max_mb) {}
+        store_(options.voxel_size, options.max_mb - 1e-6 * static_cast<double>(EpochSieve::bytes())) {}
 
   void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor, std::uint32_t epoch) override {
     epoch_ = epoch;
@@ -60,12 +61,19 @@ class PlaneVoxelMap : public VoxelMap {
 
   const Plane* find_old(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor,
                         const OldPlanes& old_planes) const override {
+    const VoxelCoordinates home = voxel_of(point, store_.inverse_edge());
+    if (!sieve_.may_be_near(home, old_planes.last_epoch)) return nullptr;
     return find_old_plane(store_, point, sensor, old_planes);
   }
 
-  void clear() override { store_.clear(); }
+  void clear() override {
+    store_.clear();
+    sieve_.clear();
+  }
   std::size_t voxels() const override { return store_.size(); }
-  std::size_t bytes() const override { return store_.bytes() + touched_.capacity() * sizeof(std::uint32_t); }
+  std::size_t bytes() const override {
+    return store_.bytes() + touched_.capacity() * sizeof(std::uint32_t) + EpochSieve::bytes();
+  }
 
   std::vector<Eigen::Vector3d> points() const override {
     std::vector<Eigen::Vector3d> out;
@@ -121,7 +129,9 @@ class PlaneVoxelMap : public VoxelMap {
   /// A voxel that is no plane yet takes only the points inside of it (`is_home`): which of those beside it have their
   /// foot in it is not known.
   void add_to_voxel(const VoxelCoordinates& c, bool is_home, const Eigen::Vector3d& p) {
+    const std::size_t before = store_.size();
     const std::uint32_t i = is_home ? store_.find_or_make(c) : store_.number_of(c);
+    if (store_.size() > before) sieve_.note(c, epoch_);
     if (i == VoxelIndex::kNone) return;
     PlaneVoxel& voxel = store_[i];
     if (!voxel.is_plane && !is_home) return;
@@ -161,6 +171,7 @@ class PlaneVoxelMap : public VoxelMap {
   VoxelMapOptions options_;
   PlaneLimits limits_;
   VoxelStore<PlaneVoxel> store_;
+  EpochSieve sieve_;
   std::vector<std::uint32_t> touched_;
   std::uint32_t epoch_ = 0;                           ///< of the points that are being inserted
   Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();  ///< where they were seen from [m]

@@ -52,6 +52,9 @@ StatePtr to_state_message(const LioResult& result, const LioSession& session) {
   message->k_r = config.lidar.k_r;
   message->config_hash = session.config_hash();
   message->accel_scale = session.odometry().accel_scale();
+  message->gyro_range = config.imu.gyro_range;
+  message->accel_range = config.imu.accel_range;
+  message->max_gap = config.imu.max_gap;
   return message;
 }
 

@@ -29,6 +29,7 @@ using allan_lio::BagMessage;
 constexpr double kConnect = 30.0;   // [s] until both nodelets listen
 constexpr double kTail = 0.5;       // [s] to wait for the last answers
 constexpr int kPriority = 2;        // real-time, of what times
+constexpr double kEnough = 0.999;   // of the messages within the limit
 constexpr double kHeadStart = 1.0;  // [s] between the agreement to begin and the first message
 
 /// When each IMU message went out, and how long after it the odometry of its stamp came in. Safe to call from threads.
@@ -128,6 +129,7 @@ std::vector<double> measure(const Options& options, int pipe) {
   return watch.delays();
 }
 
+/// 0 if enough of the messages came within the limit.
 int report(const std::vector<double>& delays, double limit) {
   if (delays.empty()) {
     std::cerr << "imu_latency: no odometry came\n";
@@ -137,10 +139,13 @@ int report(const std::vector<double>& delays, double limit) {
     return 1e3 * delays[static_cast<std::size_t>(share * static_cast<double>(delays.size() - 1))];
   };
   const auto within = std::upper_bound(delays.begin(), delays.end(), limit) - delays.begin();
+  const double share = static_cast<double>(within) / static_cast<double>(delays.size());
   std::printf("%zu messages, %.3f %% within %g ms; median %.3f ms, 99 %% %.3f ms, 99.9 %% %.3f ms, longest %.3f ms\n",
-              delays.size(), 100.0 * static_cast<double>(within) / static_cast<double>(delays.size()), 1e3 * limit,
-              percentile(0.5), percentile(0.99), percentile(0.999), percentile(1.0));
-  return 0;
+              delays.size(), 100.0 * share, 1e3 * limit, percentile(0.5), percentile(0.99), percentile(0.999),
+              percentile(1.0));
+  if (share >= kEnough) return 0;
+  std::fprintf(stderr, "imu_latency: that is less than %g %%\n", 100.0 * kEnough);
+  return 1;
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ from ros_support import SLOWER, TIME_LIMIT, Recorder, read, run, run_well, wait_
 
 RATE = 2  # times real time
 GYRO_BIAS = 9  # its first row in State.covariance
+IMU_PERIOD = 0.005  # of simulate_bag [s]
 UNDER_WAY = 2  # scans that may have been taken before a parameter that was set just now
 ARRIVED = 1.0 * SLOWER  # [s] after which a parameter that was set has reached the nodelet
 SET_POSE = (40.0, -30.0, 2.0)  # [m]
@@ -207,6 +208,32 @@ class LiveNode(unittest.TestCase):
             while len(states.messages) == seen:
                 play.scans(1)
             self.assertEqual(states.messages[seen].k_gb, k_gb)
+
+    def test_the_odometry_at_imu_rate_doubts_saturated_readings_by_the_range_in_force(self):
+        self.start('roslaunch', '--wait', 'allan_lio', 'lio.launch')
+        rospy.wait_for_service('/lidar_odometry/finish', TIME_LIMIT)
+        states, odometry = Recorder('/lidar_odometry/state', State), Recorder('/imu_odometry', Odometry)
+        play = PacedPlayer(self.bag)
+
+        def growth():
+            """Median growth of the velocity's variance from one reading to the next, over the next two sweeps."""
+            play.scans(1)
+            begin = len(odometry.messages)
+            play.scans(2)
+            time.sleep(ARRIVED)
+            variances = [message.twist.covariance[0] for message in odometry.messages[begin:]]
+            self.assertGreater(len(variances), 10)
+            return sorted(b - a for a, b in zip(variances, variances[1:]))[len(variances) // 2]
+
+        while len(states.messages) < 3:
+            play.scans(1)
+        before = growth()
+        rospy.set_param('/lidar_odometry/imu/accel_range', 5.0)  # less than gravity: all readings are at their limit
+        time.sleep(ARRIVED)
+        # An acceleration beyond the range by 1 m/s^2 (1 sigma) for a period of the IMU.
+        missed = (0.2 * 5.0 * IMU_PERIOD) ** 2
+        self.assertLess(before, 0.1 * missed)
+        self.assertGreater(growth(), 0.5 * missed)
 
     def test_dynamic_reconfigure_shows_the_declaration_and_changes_what_it_may(self):
         states = Recorder('/lidar_odometry/state', State)

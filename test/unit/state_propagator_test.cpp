@@ -154,6 +154,19 @@ TEST(StatePropagator, a_gap_and_a_saturated_reading_widen_the_covariance_as_the_
   EXPECT_NEAR(stepwise(0.35) - stepwise(10.0), missed * missed, 0.02 * missed * missed);
 }
 
+TEST(StatePropagator, follows_limits_that_change) {
+  StatePropagator changed({Discretization::kTrapezoid, {10.0, 100.0}});
+  StatePropagator always({Discretization::kTrapezoid, {0.1, 1.0}, 0.3});
+  changed.set_limits({0.1, 1.0}, 0.3);
+  for (StatePropagator* propagator : {&changed, &always}) {
+    propagator->add(sample_at(0));
+    propagator->restart(state_at(kStart), kStartCovariance, some_noise(), 1.0);
+    for (int i = 1; i < 20; ++i) propagator->add(sample_at(i));
+  }
+  EXPECT_EQ(changed.estimate().covariance, always.estimate().covariance);
+  EXPECT_FALSE(changed.add(sample_at(100)));
+}
+
 TEST(StatePropagator, waits_for_a_correction_after_a_silence_that_is_too_long_to_bridge) {
   StatePropagator propagator({Discretization::kTrapezoid, {}, 0.3});
   propagator.add(sample_at(0));

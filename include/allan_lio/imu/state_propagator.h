@@ -31,6 +31,13 @@ class StatePropagator {
   /// the readings to m/s^2.
   void restart(const NavState& state, const NavMatrix& covariance, const ImuNoise& noise, double accel_scale);
 
+  /// Other limits than those of the options, for the readings that come after the next restart(); what it goes over
+  /// again is doubted by them already.
+  void set_limits(const ImuRange& range, double max_gap) {
+    options_.range = range;
+    options_.max_gap = max_gap;
+  }
+
   /// Takes the next reading, as the sensor gives it. True if estimate() has moved to it: not before the first
   /// restart(), nor for a sample that ImuGate keeps back or drops, that is not later than the one before, or older
   /// than the state. After a silence of more than `max_gap` it waits for the next restart().

@@ -31,7 +31,7 @@ class VoxelMap {
   virtual ~VoxelMap() = default;
 
   /// Adds points [m, world], seen from `sensor` [m, world]; makes room when the map is full. `epoch` marks what they
-  /// make, so that it is known later which planes share an error of placement.
+  /// make, so that it is known later which planes share an error of placement; it never falls before clear().
   virtual void insert(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& sensor,
                       std::uint32_t epoch = 0) = 0;
 
