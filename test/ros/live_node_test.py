@@ -202,6 +202,7 @@ class LiveNode(unittest.TestCase):
         while not states.messages:
             play.scans(1)
         for k_gb in (25, 4):
+            time.sleep(ARRIVED)  # for the states of scans that are on their way
             seen = len(states.messages)
             rospy.set_param('/lidar_odometry/imu/k_gb', k_gb)
             time.sleep(ARRIVED)
