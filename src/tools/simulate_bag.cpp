@@ -53,7 +53,11 @@ struct Options {
   allan_lio::ImuErrorConfig errors;
   std::vector<std::string> imu_errors, lidar_effects;  // words of sensor_settings.h
   std::string imu_csv;
+#ifdef __SANITIZE_THREAD__
+  int threads = 1;  // TBB is not instrumented: all that it hands from thread to thread would be reported
+#else
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+#endif
 };
 
 std::string join(const std::vector<std::string>& words) {
