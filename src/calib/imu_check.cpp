@@ -5,20 +5,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "allan_lio/imu/imu_gate.h"
 #include "allan_lio/imu/static_init.h"
 
 namespace allan_lio {
 namespace {
 
 constexpr double kStandardGravity = 9.80665;
-constexpr double kMostAccel = 50.0 * kStandardGravity, kMostRate = 100.0;  // beyond which no reading is believed
 constexpr double kStillRate = 0.02, kStillAccel = 0.3;  // scatter of half a second at rest [rad/s], [m/s^2]
 constexpr double kSameRate = 0.01, kSameAccel = 0.1;    // what its mean differs from the first half second's
 constexpr double kStretch = 0.5;                        // [s]
 constexpr std::size_t kPlateau = 5;                     // samples that read the very same largest value
 
-bool believable(const ImuSample& s) {
-  return s.gyro.allFinite() && s.accel.allFinite() && s.gyro.norm() <= kMostRate && s.accel.norm() <= kMostAccel;
+/// Takes out what no IMU measures; how many there were.
+std::size_t drop_absurd(std::vector<ImuSample>& samples, double accel_scale) {
+  const std::size_t before = samples.size();
+  const auto is_bad = [accel_scale](const ImuSample& s) { return !is_sane(s, accel_scale); };
+  samples.erase(std::remove_if(samples.begin(), samples.end(), is_bad), samples.end());
+  return before - samples.size();
 }
 
 struct Scatter {
@@ -94,13 +98,11 @@ void take_standstill(const std::vector<ImuSample>& samples, ImuReport& report) {
 
 ImuReport check_imu(std::vector<ImuSample> samples) {
   ImuReport report;
-  const auto bad = [](const ImuSample& s) { return !believable(s); };
-  const auto end = std::remove_if(samples.begin(), samples.end(), bad);
-  report.invalid = static_cast<std::size_t>(samples.end() - end);
-  samples.erase(end, samples.end());
+  report.invalid = drop_absurd(samples, 1.0);
   if (samples.empty()) return report;
   const double scale = detect_accel_scale(samples, kStandardGravity);
   report.in_g = scale != 1.0;
+  report.invalid += drop_absurd(samples, scale);  // leaves more than half: the median is short
   for (ImuSample& s : samples) {
     s.accel *= scale;
     report.largest_rate = std::max(report.largest_rate, s.gyro.cwiseAbs().maxCoeff());

@@ -48,7 +48,8 @@ void put_lidar(std::ostream& out, const SensorCheck::Lidar& lidar) {
 }
 
 const char* word(PointTime time) {
-  const std::array<const char*, 4> words{"auto", "start", "end", "absolute"};
+  const std::array<const char*, 6> words{
+      "auto", "start", "end", "absolute", "azimuth_clockwise", "azimuth_counterclockwise"};
   return words[static_cast<std::size_t>(time)];
 }
 
@@ -113,6 +114,9 @@ std::string suggest_config(const SensorCheck& check) {
       << '\n';
   put_imu_config(out, check.imu->readings);
   if (!check.lidar->deskew) out << "\nlidar:\n  deskew: false  # the points' times cannot be used\n";
+  if (!check.lidar->deskew && check.lidar->turn != PointTime::kAuto)
+    out << "  # point_time: " << word(check.lidar->turn)
+        << "  # instead, unless the scans are compensated already: the points come in that order\n";
   if (check.lidar->deskew && check.lidar->point_time != PointTime::kAuto)
     out << "\nlidar:\n  point_time: " << word(check.lidar->point_time) << "  # a guess: the points' clock is another\n";
   out << "\nextrinsics:\n  T_imu_lidar:  # p_imu = T_imu_lidar * p_lidar; not known to check_bag\n"

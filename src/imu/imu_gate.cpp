@@ -10,15 +10,15 @@ namespace {
 constexpr double kAbsurdAccel = 50.0 * 9.80665;  // [m/s^2]
 constexpr double kAbsurdGyro = 100.0;            // [rad/s]
 
-bool is_sane(const ImuSample& s) {  // false for NaN and infinity too
-  return s.accel.norm() <= kAbsurdAccel && s.gyro.norm() <= kAbsurdGyro;
-}
-
 }  // namespace
+
+bool is_sane(const ImuSample& s, double accel_scale) {  // false for NaN and infinity too
+  return accel_scale * s.accel.norm() <= kAbsurdAccel && s.gyro.norm() <= kAbsurdGyro;
+}
 
 ImuGate::Passed ImuGate::pass(const ImuSample& sample) {
   Passed passed;
-  if (!is_sane(sample)) {
+  if (!is_sane(sample, accel_scale_)) {
     passed.absurd = true;
     return passed;
   }
@@ -33,6 +33,13 @@ ImuGate::Passed ImuGate::pass(const ImuSample& sample) {
   passed.sample = sample;
   newest_ = newest_ ? std::max(*newest_, sample.stamp) : sample.stamp;
   return passed;
+}
+
+bool ImuGate::set_accel_scale(double scale) {
+  accel_scale_ = scale;
+  if (!suspect_ || is_sane(*suspect_, scale)) return false;
+  suspect_.reset();
+  return true;
 }
 
 std::optional<ImuSample> ImuGate::release() {

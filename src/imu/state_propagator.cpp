@@ -35,8 +35,12 @@ void StatePropagator::restart(const NavState& state, const NavMatrix& covariance
   estimate_.covariance = covariance;
   noise_ = noise;
   accel_scale_ = accel_scale;
-  if (samples_.empty()) return;
-  started_ = true;
+  if (gate_.accel_scale() != accel_scale) {  // what is at hand was let through in another unit
+    gate_.set_accel_scale(accel_scale);
+    samples_.remove_if([accel_scale](const ImuSample& sample) { return !is_sane(sample, accel_scale); });
+  }
+  started_ = !samples_.empty();
+  if (!started_) return;
   last_ = scaled(samples_.at(state.stamp));
   last_.stamp = state.stamp;
   estimate_.gyro = last_.gyro - state.gyro_bias;

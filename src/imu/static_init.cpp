@@ -3,6 +3,7 @@
 #include "allan_lio/imu/static_init.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "allan_lio/math/s2.h"
@@ -57,8 +58,12 @@ bool is_still(const std::vector<ImuSample>& record, const NoiseSpec& spec, const
 }
 
 double detect_accel_scale(const std::vector<ImuSample>& record, double gravity) {
-  const double length = mean_of(record).accel.norm();
-  return length < std::sqrt(gravity) ? gravity : 1.0;  // the geometric middle of 1 g and 9.8 m/s^2
+  std::vector<double> lengths;
+  lengths.reserve(record.size());
+  for (const ImuSample& s : record) lengths.push_back(s.accel.norm());
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle < std::sqrt(gravity) ? gravity : 1.0;  // the geometric middle of 1 g and 9.8 m/s^2
 }
 
 InitialState initialize(const std::vector<ImuSample>& record, bool still, const NoiseSpec& spec, const ImuNoise& noise,

@@ -182,6 +182,13 @@ void normalise(Eigen::Quaterniond& rotation) {
   if (std::abs(rotation.norm() - 1.0) > kRounding) rotation.normalize();
 }
 
+void check_rotation(const std::string& key, const Eigen::Quaterniond& rotation) {
+  constexpr double kNormTolerance = 1e-3;
+  const double norm = rotation.norm();
+  if (std::abs(norm - 1.0) > kNormTolerance)
+    throw ConfigError(key + " must be a unit quaternion x, y, z, w; its norm is " + number_text(norm));
+}
+
 /// check_config() sees only values; this adds where those that it names were set.
 void check_with_origins(const LioConfig& config, const ConfigSource& source) {
   try {
@@ -199,6 +206,8 @@ void check_with_origins(const LioConfig& config, const ConfigSource& source) {
 }  // namespace
 
 LioConfig read_config(const ConfigSource& source) {
+  for (const auto& item : source)
+    if (!item.second.senseless.empty()) throw ConfigError(item.second.origin + ": " + item.second.senseless);
   refuse_unknown_keys(source);
   check_noise_keys(source);
   LioConfig config{};
@@ -206,6 +215,7 @@ LioConfig read_config(const ConfigSource& source) {
   declare_parameters(reader, config);
   check_with_origins(config, source);
   normalise(config.T_imu_lidar.rotation);
+  normalise(config.T_base_imu.rotation);
   return config;
 }
 
@@ -226,17 +236,17 @@ LioConfig default_config(const NoiseSpec& spec) {
 }
 
 void check_config(const LioConfig& config) {
-  constexpr double kNormTolerance = 1e-3;
   const LioConfig::Lidar& lidar = config.lidar;
   if (lidar.min_range >= lidar.max_range) {
     throw ConfigError("lidar/min_range = " + number_text(lidar.min_range) +
                       " must be less than lidar/max_range = " + number_text(lidar.max_range));
   }
-  const double norm = config.T_imu_lidar.rotation.norm();
-  if (std::abs(norm - 1.0) > kNormTolerance) {
-    throw ConfigError("extrinsics/T_imu_lidar/rotation must be a unit quaternion x, y, z, w; its norm is " +
-                      number_text(norm));
+  if (lidar.max_registered > 0 && lidar.max_registered < lidar.min_points) {
+    throw ConfigError("lidar/max_registered = " + std::to_string(lidar.max_registered) +
+                      " must be 0 or at least lidar/min_points = " + std::to_string(lidar.min_points));
   }
+  check_rotation("extrinsics/T_imu_lidar/rotation", config.T_imu_lidar.rotation);
+  check_rotation("extrinsics/T_base_imu/rotation", config.T_base_imu.rotation);
   const NoiseSpec& spec = config.imu.spec;
   if (config.imu.bias_model == BiasModel::kGaussMarkov) {
     const char* const sensor = !spec.gyro.bias_time.allFinite()    ? "gyro"
@@ -256,6 +266,10 @@ void check_config(const LioConfig& config) {
   }
   if (config.frames.odom == config.frames.base)
     throw ConfigError("frames/odom and frames/base must differ; both are '" + config.frames.odom + "'");
+  const bool base_is_imu = config.T_base_imu.translation.isZero(0) && config.T_base_imu.rotation.vec().isZero(0);
+  if (config.frames.base == config.frames.imu && !config.frames.extrinsics_from_tf && !base_is_imu)
+    throw ConfigError("frames/base and frames/imu are both '" + config.frames.base +
+                      "', so extrinsics/T_base_imu must be the identity");
 }
 
 }  // namespace allan_lio

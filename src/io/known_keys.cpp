@@ -41,6 +41,8 @@ bool is_quantity(const std::string& key, const std::vector<std::string>& keys) {
   return std::find(keys.begin(), keys.end(), key + "/unit") != keys.end();
 }
 
+bool has_no_value(const ConfigEntry& entry) { return entry.items.empty() && !entry.is_list && entry.senseless.empty(); }
+
 }  // namespace
 
 void refuse_unknown_keys(const ConfigSource& source) {
@@ -49,12 +51,18 @@ void refuse_unknown_keys(const ConfigSource& source) {
     const std::string& key = item.first;
     if (std::find(keys.begin(), keys.end(), key) != keys.end() || is_quantity(key, keys)) continue;
     const bool group = is_group(key, keys);
-    if (group && item.second.items.empty() && !item.second.is_list) continue;
+    if (group && has_no_value(item.second)) continue;
     throw ConfigError("'" + key + "' (" + item.second.origin + ")" +
                       (group ? " is a group of parameters and takes no value of its own; the nearest parameter is '"
                              : " is not a parameter; the nearest one is '") +
                       nearest(key, keys) + "'");
   }
+}
+
+bool is_empty_group(const std::string& key, const ConfigEntry& entry) {
+  if (!has_no_value(entry)) return false;
+  const std::vector<std::string> keys = known_keys();
+  return is_group(key, keys) && !is_quantity(key, keys);
 }
 
 }  // namespace allan_lio

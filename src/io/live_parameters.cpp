@@ -15,6 +15,26 @@ std::vector<ParameterEntry> live_parameters(const LioConfig& config) {
   return entries;
 }
 
+ConfigSource fixed_parameters(const LioConfig& config) {
+  ConfigSource source = to_source(config);
+  for (const ParameterEntry& entry : live_parameters(config)) source.erase(entry.info.key);
+  return source;
+}
+
+std::optional<ParameterEntry> parameter_at(const LioConfig& config, const std::string& key) {
+  for (const ParameterEntry& entry : list_parameters(config)) {
+    const std::string& own = entry.info.key;
+    if (key == own || key.compare(0, own.size() + 1, own + "/") == 0) return entry;
+  }
+  return std::nullopt;
+}
+
+std::string what_stays(const LioConfig& in_force, const std::string& key) {
+  const std::optional<ParameterEntry> parameter = parameter_at(in_force, key);
+  if (!parameter) return "all that is in force stays";
+  return parameter->info.key + " stays " + (parameter->given ? yaml_value(*parameter) : "as it is, not given");
+}
+
 LioConfig change_live(const LioConfig& in_force, const std::string& key, const ConfigEntry& value) {
   refuse_unknown_keys({{key, value}});
   const std::vector<ParameterEntry> entries = live_parameters(in_force);

@@ -105,10 +105,10 @@ void put_counters(std::ostream& out, const LioCounters& c) {
       << "\n    after_last_imu: " << c.scans_after_imu << "\n    too_few_points: " << c.scans_too_few_points
       << "\n    too_few_matches: " << c.scans_too_few_matches << "\n    imu_did_not_come: " << c.scans_overflow
       << "\n  map_restarts: " << c.map_restarts << "\npoints:\n  invalid: " << c.points_invalid
-      << "\n  out_of_range: " << c.points_out_of_range << "\nimu:\n  samples: " << c.imu_read
-      << "\n  dropped_not_newer: " << c.imu_dropped_order << "\n  dropped_invalid: " << c.imu_dropped_invalid
-      << "\n  saturated: " << c.imu_saturated << "\n  gaps: " << c.imu_gaps
-      << "\n  starts_in_place: " << c.starts_in_place << '\n';
+      << "\n  out_of_range: " << c.points_out_of_range << "\n  over_budget: " << c.points_over_budget
+      << "\nimu:\n  samples: " << c.imu_read << "\n  dropped_not_newer: " << c.imu_dropped_order
+      << "\n  dropped_invalid: " << c.imu_dropped_invalid << "\n  saturated: " << c.imu_saturated
+      << "\n  gaps: " << c.imu_gaps << "\n  starts_in_place: " << c.starts_in_place << '\n';
 }
 
 void put_times(std::ostream& out, const TimeStatistics& scans) {
@@ -132,15 +132,26 @@ std::string indented(const std::string& text) {
   return out;
 }
 
-/// Empty if all that was written to `file` is on disk, else a sentence.
+/// Empty if all that was given to `file` so far could be written, else a sentence.
+std::string write_failure(const std::ofstream& file, const std::string& path) {
+  return file ? "" : path + ": could not be written (is the disk full?)";
+}
+
+/// The same, of all that was written.
 std::string close_failure(std::ofstream& file, const std::string& path) {
   file.close();
-  return file ? "" : path + ": could not be written (is the disk full?)";
+  return write_failure(file, path);
+}
+
+void put_parameters(std::ostream& out, const LioConfig& config, const std::string& moment) {
+  out << "parameters_hash" << moment << ": " << yaml_quoted(config_hash(config)) << "\nparameters" << moment << ":\n"
+      << indented(print_config(config));
 }
 
 }  // namespace
 
-RunWriter::RunWriter(const std::string& directory, const LioConfig& config) : directory_(directory), config_(config) {
+RunWriter::RunWriter(const std::string& directory, const LioConfig& config)
+    : directory_(directory), at_start_(config), in_force_(config) {
   std::error_code error;
   std::filesystem::create_directories(directory_, error);
   if (error) throw std::runtime_error(directory_ + ": cannot be created: " + error.message());
@@ -156,10 +167,9 @@ RunWriter::RunWriter(const std::string& directory, const LioConfig& config) : di
 RunWriter::~RunWriter() {
   if (finished_) return;
   try {
-    trajectory_.flush();
-    states_.flush();
+    flush();
     RunSummary summary;
-    summary.status = "interrupted";
+    summary.status = trouble_.empty() ? "interrupted" : "incomplete: " + trouble_;
     summary.counters.scans_read = summary.counters.scans_used = scan_seconds_.count();
     summary.notes = {"the run did not end in order: of the counters only the scans are known, as states written"};
     write_summary(summary);
@@ -175,21 +185,27 @@ void RunWriter::add(const LioResult& result, double cpu_seconds) {
   const bool first = scan_seconds_.count() == 0;
   scan_seconds_.add(cpu_seconds);
   if (first || std::abs(seconds_between(last_flush_, nav.stamp)) >= 1.0) {
-    trajectory_.flush();
-    states_.flush();
+    flush();
     last_flush_ = nav.stamp;
   }
 }
 
+void RunWriter::flush() {
+  trajectory_.flush();
+  states_.flush();
+  if (trouble_.empty()) trouble_ = write_failure(trajectory_, directory_ + "/trajectory.tum");
+  if (trouble_.empty()) trouble_ = write_failure(states_, directory_ + "/states.csv");
+}
+
 void RunWriter::finish(const RunSummary& summary) {
-  std::string failure = close_failure(trajectory_, directory_ + "/trajectory.tum");
+  const std::string trajectory_failure = close_failure(trajectory_, directory_ + "/trajectory.tum");
   const std::string states_failure = close_failure(states_, directory_ + "/states.csv");
-  if (failure.empty()) failure = states_failure;
+  if (trouble_.empty()) trouble_ = trajectory_failure.empty() ? states_failure : trajectory_failure;
   RunSummary honest = summary;
-  if (!failure.empty()) honest.status = "incomplete: " + failure;
+  if (!trouble_.empty()) honest.status = "incomplete: " + trouble_;
   write_summary(honest);
   finished_ = true;
-  if (!failure.empty()) throw std::runtime_error(failure);
+  if (!trouble_.empty()) throw std::runtime_error(trouble_);
 }
 
 void RunWriter::write_summary(const RunSummary& summary) const {
@@ -203,8 +219,8 @@ void RunWriter::write_summary(const RunSummary& summary) const {
   put_times(out, scan_seconds_);
   out << "peak_rss_mb: " << peak_rss_mb() << "\nmap: {megabytes: " << summary.map_megabytes
       << ", voxels: " << summary.map_voxels << "}\n";
-  out << "parameters_hash: " << yaml_quoted(config_hash(config_)) << "\nparameters:\n"
-      << indented(print_config(config_));
+  put_parameters(out, in_force_, "");
+  if (config_hash(at_start_) != config_hash(in_force_)) put_parameters(out, at_start_, "_at_start");
   const std::string failure = close_failure(out, path);
   if (!failure.empty()) throw std::runtime_error(failure);
 }

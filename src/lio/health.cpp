@@ -37,24 +37,27 @@ class Verdict {
 
 }  // namespace
 
-std::vector<LossCount> count_losses(const LioCounters& c, std::uint64_t undecodable) {
+std::vector<LossCount> count_losses(const LioCounters& c, std::uint64_t undecodable, const LostOnTheWay& lost) {
   std::vector<LossCount> losses;
   const auto add = [&losses](const char* reason, std::uint64_t count) {
     if (count > 0) losses.push_back({reason, count});
   };
   add("clouds: undecodable", undecodable);
+  add("scans: lost_before_arrival", lost.scans);
   add("scans: not_newer_than_the_last", c.scans_dropped_order);
   add("scans: before_first_imu", c.scans_before_imu);
   add("scans: after_last_imu", c.scans_after_imu);
   add("scans: too_few_points", c.scans_too_few_points);
   add("scans: too_few_matches", c.scans_too_few_matches);
   add("scans: imu_did_not_come", c.scans_overflow);
+  add("imu: lost_before_arrival", lost.imu);
   add("imu: dropped_not_newer", c.imu_dropped_order);
   add("imu: dropped_invalid", c.imu_dropped_invalid);
   add("imu: saturated", c.imu_saturated);
   add("imu: gaps", c.imu_gaps);
   add("points: invalid", c.points_invalid);
   add("points: out_of_range", c.points_out_of_range);
+  add("points: over_budget", c.points_over_budget);
   return losses;
 }
 
@@ -119,10 +122,11 @@ Health judge_health(const HealthWindow& window, const LioResult& last, const Hea
                 text("the filter is too sure: mean NIS %.2f, honest up to %.2f (raise k)", nis.mean, nis.high));
   if (facts.delay > kLongDelay) verdict.add(HealthLevel::kWarn, text("%.3g s behind the sensors' stamps", facts.delay));
   if (window.scan_interval() > 0.0 && window.mean_seconds() > window.scan_interval())
-    verdict.add(HealthLevel::kWarn, text("%.0f ms of CPU per scan, one every %.0f ms", 1e3 * window.mean_seconds(),
-                                         1e3 * window.scan_interval()));
+    verdict.add(HealthLevel::kWarn, text("%.0f ms of CPU per scan, one every %.0f ms (lidar/max_registered bounds it)",
+                                         1e3 * window.mean_seconds(), 1e3 * window.scan_interval()));
   if (facts.newly_lost > 0)
     verdict.add(HealthLevel::kWarn, text("%.0f lost: ", static_cast<double>(facts.newly_lost)) + facts.lost_because);
+  if (!facts.output_trouble.empty()) verdict.add(HealthLevel::kWarn, facts.output_trouble);
   verdict.add(
       HealthLevel::kOk,
       nis.scans == 0 ? "follows" : text("follows, mean NIS %.2f (honest: %.2f to %.2f)", nis.mean, nis.low, nis.high));

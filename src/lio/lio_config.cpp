@@ -102,7 +102,7 @@ void declare_imu(ParameterVisitor& v, LioConfig::Imu& imu) {
             "How the continuous noise becomes the Q of an interval. Change it to compare the forms of the paper."},
            imu.discretization, Discretization::kTrapezoid, {"euler", "trapezoid", "discrete", "van_loan"});
   v.option({"imu/accel_unit", "",
-            "Unit of the accelerometer's readings; auto tells g from m/s^2 by the mean length of the first second. "
+            "Unit of the accelerometer's readings; auto tells g from m/s^2 by the median length of the first second. "
             "Change it when the start is violent."},
            imu.accel_unit, AccelUnit::kAuto, {"auto", "m/s^2", "g"});
   v.number({"imu/gravity", "m/s^2",
@@ -123,8 +123,7 @@ void declare_imu(ParameterVisitor& v, LioConfig::Imu& imu) {
       imu.max_gap, 1.0, Range::positive());
 }
 
-void declare_lidar(ParameterVisitor& v, LioConfig& c) {
-  LioConfig::Lidar& lidar = c.lidar;
+void declare_lidar(ParameterVisitor& v, LioConfig::Lidar& lidar) {
   v.flag({"lidar/deskew", "",
           "Move every point to the scan's end by its own time. Turn it off only for clouds that are already motion "
           "compensated or have no times."},
@@ -177,18 +176,33 @@ void declare_lidar(ParameterVisitor& v, LioConfig& c) {
   v.integer({"lidar/min_points", "1", "A scan with fewer points after downsampling is not used; the IMU goes on alone.",
              kLive},
             lidar.min_points, 50, Range::between(1, 1e6));
+  v.integer(
+      {"lidar/max_registered", "1",
+       "Most points of a scan that are registered after downsampling, spread evenly over its time; 0: all. Set it "
+       "on a slow computer: it bounds what the update of a scan takes, lidar/leaf sets what it takes on average.",
+       kLive},
+      lidar.max_registered, 0, Range::between(0, 1e6));
+}
 
+/// `key`/translation and `key`/rotation, each with its sentence; the default is the identity.
+void declare_transform(ParameterVisitor& v, const std::string& key, const std::string& origin, const std::string& turn,
+                       RigidTransform& transform) {
   Eigen::VectorXd rotation(4), translation(3);
-  rotation << c.T_imu_lidar.rotation.coeffs();
-  translation << c.T_imu_lidar.translation;
-  v.numbers({"extrinsics/T_imu_lidar/translation", "m",
-             "The LiDAR's origin in the IMU frame: p_imu = T_imu_lidar * p_lidar."},
-            translation, Eigen::VectorXd::Zero(3), {});
-  v.numbers({"extrinsics/T_imu_lidar/rotation", "1",
-             "Quaternion x, y, z, w of the rotation from the LiDAR frame to the IMU frame."},
-            rotation, Eigen::Vector4d(0, 0, 0, 1), Range::between(-1.001, 1.001));
-  c.T_imu_lidar.rotation.coeffs() = rotation;
-  c.T_imu_lidar.translation = translation;
+  rotation << transform.rotation.coeffs();
+  translation << transform.translation;
+  v.numbers({key + "/translation", "m", origin}, translation, Eigen::VectorXd::Zero(3), {});
+  v.numbers({key + "/rotation", "1", turn}, rotation, Eigen::Vector4d(0, 0, 0, 1), Range::between(-1.001, 1.001));
+  transform.rotation.coeffs() = rotation;
+  transform.translation = translation;
+}
+
+void declare_extrinsics(ParameterVisitor& v, LioConfig& c) {
+  declare_transform(v, "extrinsics/T_imu_lidar", "The LiDAR's origin in the IMU frame: p_imu = T_imu_lidar * p_lidar.",
+                    "Quaternion x, y, z, w of the rotation from the LiDAR frame to the IMU frame.", c.T_imu_lidar);
+  declare_transform(v, "extrinsics/T_base_imu",
+                    "The IMU's origin in the robot's frame: p_base = T_base_imu * p_imu. Odometry and TF are of "
+                    "frames/base by it; trajectory.tum and states.csv are the IMU's whatever it is.",
+                    "Quaternion x, y, z, w of the rotation from the IMU frame to the robot's frame.", c.T_base_imu);
   v.flag({"extrinsics/estimate", "",
           "Estimate T_imu_lidar along with the motion. Turn it on with a rich scene and motion about all axes, and "
           "copy the result."},
@@ -281,7 +295,7 @@ void declare_frames(ParameterVisitor& v, LioConfig::Frames& frames) {
   v.text({"frames/base", "", "Name of the robot's frame that odometry and TF refer to."}, frames.base, "base_link");
   v.text({"frames/imu", "",
           "Name of the IMU's frame; T_base_imu is looked up in TF when it differs from frames/base and "
-          "extrinsics_from_tf is set, else identity."},
+          "extrinsics_from_tf is set, else it is extrinsics/T_base_imu."},
          frames.imu, "imu");
   v.text({"frames/lidar", "", "Name of the LiDAR's frame, for the look-up of extrinsics in TF."}, frames.lidar,
          "lidar");
@@ -301,7 +315,8 @@ void declare_parameters(ParameterVisitor& v, LioConfig& c) {
           "Topic of sensor_msgs/PointCloud2, or of CustomMsg of livox_ros_driver or livox_ros_driver2."},
          c.topics.lidar, "/points");
   declare_imu(v, c.imu);
-  declare_lidar(v, c);
+  declare_lidar(v, c.lidar);
+  declare_extrinsics(v, c);
   declare_map(v, c.map);
   declare_update(v, c.update);
   declare_init(v, c.init);

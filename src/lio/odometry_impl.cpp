@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "allan_lio/imu/interval_noise.h"
+#include "allan_lio/lidar/keep_evenly.h"
 #include "allan_lio/math/so3.h"
 
 namespace allan_lio {
@@ -32,6 +33,7 @@ Odometry::Impl::Impl(const LioConfig& config)
       residuals_(pool_) {
   state_.T_imu_lidar = config.T_imu_lidar;
   start_.spec = config.imu.spec;
+  if (config.imu.accel_unit == AccelUnit::kG) synchronizer_.set_accel_scale(config.imu.gravity);
 }
 
 void Odometry::Impl::reconfigure(const LioConfig& config) {
@@ -88,10 +90,14 @@ void Odometry::Impl::select_points(const Scan& scan) {
     inserted_.resize(scan.points.size());
     std::iota(inserted_.begin(), inserted_.end(), 0U);
     registered_ = scan.registered;
-    return;
+  } else {
+    downsampler_.select(scan.points, nullptr, config_.map.insert_leaf, inserted_);
+    downsampler_.select(scan.points, &inserted_, config_.lidar.leaf, registered_);
   }
-  downsampler_.select(scan.points, nullptr, config_.map.insert_leaf, inserted_);
-  downsampler_.select(scan.points, &inserted_, config_.lidar.leaf, registered_);
+  const std::size_t all = registered_.size();
+  if (config_.lidar.max_registered > 0)
+    keep_evenly(scan.points, static_cast<std::size_t>(config_.lidar.max_registered), registered_);
+  counters_.points_over_budget += all - registered_.size();
 }
 
 Deskewer Odometry::Impl::make_deskewer(const Scan& scan, const std::vector<TrackSegment>& track,

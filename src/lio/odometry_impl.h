@@ -25,6 +25,9 @@ class Odometry::Impl {
 
   /// Settles unit, tilt, biases and their covariance once the IMU's data spans the record that this takes.
   bool initialize_from_imu();
+  /// Tells the accelerometer's unit by the readings over [from, until]. True if some are absurd in it, and now gone:
+  /// before the unit is known the gate has to take all for m/s^2.
+  bool settle_accel_scale(TimeNs from, TimeNs until);
   /// The readings over [from, until], as far as there are any, accelerations by the scale in force.
   std::vector<ImuSample> scaled_record(TimeNs from, TimeNs until) const;
 

@@ -32,6 +32,14 @@ std::vector<ImuSample> Odometry::Impl::scaled_record(TimeNs from, TimeNs until) 
   return record;
 }
 
+bool Odometry::Impl::settle_accel_scale(TimeNs from, TimeNs until) {
+  const LioConfig::Imu& imu = config_.imu;
+  accel_scale_ = 1.0;
+  if (imu.accel_unit == AccelUnit::kG) accel_scale_ = imu.gravity;
+  if (imu.accel_unit == AccelUnit::kAuto) accel_scale_ = detect_accel_scale(scaled_record(from, until), imu.gravity);
+  return synchronizer_.set_accel_scale(accel_scale_) > 0;
+}
+
 bool Odometry::Impl::initialize_from_imu() {
   const Scan* first = synchronizer_.front();
   if (!first) {
@@ -44,12 +52,8 @@ bool Odometry::Impl::initialize_from_imu() {
   const TimeNs until = from + to_ns(config_.init.standstill_time);
   if (imu.newest() < until && !synchronizer_.ended()) return false;
 
-  accel_scale_ = 1.0;
+  if (settle_accel_scale(from, until)) return initialize_from_imu();  // the data may begin or end elsewhere now
   std::vector<ImuSample> record = scaled_record(from, until);
-  const bool in_g = config_.imu.accel_unit == AccelUnit::kG;
-  accel_scale_ = config_.imu.accel_unit == AccelUnit::kAuto ? detect_accel_scale(record, config_.imu.gravity)
-                                                            : (in_g ? config_.imu.gravity : 1.0);
-  record = scaled_record(from, until);
   const InitOptions options{config_.imu.gravity, config_.init.gyro_still, config_.init.accel_still,
                             config_.init.velocity_sigma, config_.init.moving_accel_sigma};
   quiet_start_ = is_still(record, start_.spec, options);

@@ -24,6 +24,14 @@ void Synchronizer::take_imu(const ImuSample& sample) {
   if (scans_.empty()) imu_.discard_before(sample.stamp - to_ns(kKeptWithoutScans));
 }
 
+std::size_t Synchronizer::set_accel_scale(double scale) {
+  if (gate_.set_accel_scale(scale)) ++counters_.imu_dropped_invalid;
+  const std::size_t dropped = imu_.remove_if([scale](const ImuSample& sample) { return !is_sane(sample, scale); });
+  counters_.imu_dropped_invalid += dropped;
+  if (dropped > 0) first_imu_ = imu_.empty() ? std::nullopt : std::make_optional(imu_.oldest());
+  return dropped;
+}
+
 void Synchronizer::end_of_data() {
   if (const std::optional<ImuSample> last = gate_.release()) take_imu(*last);
   if (suspect_scan_) take_scan(std::move(*suspect_scan_));

@@ -6,6 +6,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "allan_lio/ros/imu_propagator.h"
+#include "allan_lio/ros/stopped_at_start.h"
 
 namespace allan_lio {
 
@@ -13,6 +14,8 @@ class ImuPropagationNodelet : public nodelet::Nodelet {
   void onInit() override {
     try {
       wrapped_ = std::make_unique<ImuPropagator>(getNodeHandle(), getPrivateNodeHandle());
+    } catch (const StoppedAtStart&) {
+      throw;
     } catch (const std::exception& error) {
       NODELET_FATAL_STREAM(error.what());
       throw;  // the manager then unloads this nodelet, and its loader exits non-zero

@@ -5,6 +5,7 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/console.h>
 
+#include "allan_lio/io/live_parameters.h"
 #include "allan_lio/ros/conversions.h"
 #include "allan_lio/ros/finite.h"
 #include "allan_lio/ros/publish.h"
@@ -18,15 +19,30 @@ constexpr int kImuQueue = 4000;
 constexpr int kStateQueue = 20;
 const ros::WallDuration kLook(0.1);  // for the end
 
+/// Names those of the given parameters that only the filter's own count for.
+void warn_of_filters_parameters(const NodeParameters& parameters) {
+  for (const ParameterEntry& entry : live_parameters(parameters.config)) {
+    const auto given = parameters.given.find(entry.info.key);
+    if (given != parameters.given.end())
+      ROS_WARN_STREAM(entry.info.key << " (" << given->second.origin
+                                     << ") has no effect on the odometry at the rate of the IMU, which takes what is "
+                                        "in force from the filter's state: set it on the filter");
+  }
+}
+
 }  // namespace
 
 ImuPropagator::ImuPropagator(ros::NodeHandle handle, ros::NodeHandle private_handle)
-    : config_(read_node_parameters(private_handle).config),
+    : ImuPropagator(handle, private_handle, read_node_parameters(private_handle)) {}
+
+ImuPropagator::ImuPropagator(ros::NodeHandle handle, ros::NodeHandle private_handle, const NodeParameters& parameters)
+    : config_(parameters.config),
       T_base_imu_(resolve_extrinsics(config_, kTfPatience)),
       propagator_({config_.imu.discretization, {config_.imu.gyro_range, config_.imu.accel_range}, config_.imu.max_gap}),
       odometry_(handle.advertise<nav_msgs::Odometry>("imu_odometry", 1000)),
       poll_priority_(config_.realtime_priority) {
-  show_in_force(private_handle, config_);
+  show_in_force(private_handle, fixed_parameters(config_));
+  warn_of_filters_parameters(parameters);
   handle.setCallbackQueue(&queue_);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   state_subscriber_ = handle.subscribe("state", kStateQueue, &ImuPropagator::on_state, this, hints);

@@ -7,6 +7,7 @@
 
 #include "allan_lio/ros/lio_wrapper.h"
 #include "allan_lio/ros/shut_down_on_sigterm.h"
+#include "allan_lio/ros/stopped_at_start.h"
 
 namespace allan_lio {
 
@@ -15,6 +16,8 @@ class LidarOdometryNodelet : public nodelet::Nodelet {
     shut_down_on_sigterm();  // of the manager, which would not unload its nodelets
     try {
       wrapped_ = std::make_unique<LioWrapper>(getNodeHandle(), getPrivateNodeHandle());
+    } catch (const StoppedAtStart&) {
+      throw;
     } catch (const std::exception& error) {
       NODELET_FATAL_STREAM(error.what());
       throw;  // the manager then unloads this nodelet, and its loader exits non-zero

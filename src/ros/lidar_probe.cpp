@@ -12,6 +12,7 @@ namespace allan_lio {
 namespace {
 
 constexpr double kAnyRange = 1e6;  // [m]: the range limits are the configuration's business
+constexpr double kTurn = 1.0;      // [s]
 
 LioConfig::Lidar way(bool deskew, PointTime point_time) {
   LioConfig::Lidar options{};
@@ -59,9 +60,25 @@ void LidarProbe::choose_way() {
     report_.point_time = point_time;
     if (2 * decoded > kept_.size()) break;
   }
+  if (!report_.deskew) report_.turn = find_turn();
   decoder_ = std::make_unique<CloudDecoder>(way(report_.deskew, report_.point_time));
   for (const BagMessage& message : kept_) take(message);
   kept_.clear();
+}
+
+PointTime LidarProbe::find_turn() const {
+  for (const PointTime direction : {PointTime::kAzimuthClockwise, PointTime::kAzimuthCounterclockwise}) {
+    LioConfig::Lidar options = way(true, direction);
+    options.turn_time = kTurn;
+    CloudDecoder trial(options);
+    std::size_t turned = 0;
+    for (const BagMessage& message : kept_) {
+      const DecodedCloud cloud = trial.decode(to_raw_cloud(message));
+      if (cloud.scan && seconds_between(cloud.scan->begin(), cloud.scan->end()) > 0.5 * kTurn) ++turned;
+    }
+    if (2 * turned > kept_.size()) return direction;
+  }
+  return PointTime::kAuto;
 }
 
 void LidarProbe::take(const BagMessage& message) {

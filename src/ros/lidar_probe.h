@@ -28,6 +28,8 @@ class LidarProbe {
   /// sweep's start, or without times.
   static constexpr std::size_t kTrials = 12;
   void choose_way();
+  /// The azimuth's way in whose order most of the clouds' points come, half a turn at least; kAuto: neither.
+  PointTime find_turn() const;
   void take(const BagMessage& message);
 
   SensorCheck::Lidar report_;

@@ -157,6 +157,7 @@ void LioSession::reconfigure(const LioConfig& config) {
   const std::string difference = live_difference(odometry_->config(), config);
   odometry_->reconfigure(config);
   config_hash_ = allan_lio::config_hash(config);
+  if (writer_) writer_->reconfigure(config);
   if (!difference.empty()) add_note(moment() + difference);
 }
 

@@ -3,7 +3,11 @@
 #include "allan_lio/ros/lio_wrapper.h"
 
 #include <ros/console.h>
+#include <ros/init.h>
 #include <ros/this_node.h>
+
+#include <iostream>
+#include <utility>
 
 namespace allan_lio {
 namespace {
@@ -20,7 +24,7 @@ LioWrapper::LioWrapper(ros::NodeHandle handle, ros::NodeHandle private_handle)
       T_base_imu_(resolve_extrinsics(parameters_.config, kTfPatience)),
       publisher_(std::make_unique<LioPublisher>(private_handle, parameters_.config, T_base_imu_)) {
   const LioConfig& config = parameters_.config;
-  show_in_force(private_handle, config);
+  show_in_force(private_handle, to_source(config));
   session_ = std::make_unique<LioSession>(config, parameters_.out, [this](const LioResult& r) { on_result(r); });
   monitor_ = std::make_unique<LioMonitor>(handle, private_handle, *session_);
   tuning_ = std::make_unique<LiveTuning>(private_handle, parameters_,
@@ -39,9 +43,21 @@ LioWrapper::LioWrapper(ros::NodeHandle handle, ros::NodeHandle private_handle)
   finish_service_ = private_handle.advertiseService("finish", &LioWrapper::on_finish, this);
 }
 
+LioWrapper::~LioWrapper() {
+  try {
+    session_->finish("interrupted");
+  } catch (const std::exception& error) {
+    // The console of ROS is silent from the moment on that the node begins to shut down.
+    if (ros::isShuttingDown())
+      std::cerr << ros::this_node::getName() << ": " << error.what() << std::endl;
+    else
+      ROS_ERROR_STREAM(error.what());
+  }
+}
+
 void LioWrapper::on_imu(const sensor_msgs::ImuConstPtr& message) {
   ++imu_received_;
-  monitor_->saw_imu();
+  monitor_->saw_imu(message->header.seq);
   if (!finished_) session_->add(*message);
 }
 
@@ -49,8 +65,9 @@ void LioWrapper::on_cloud(const topic_tools::ShapeShifter::ConstPtr& message) {
   ++scans_received_;
   if (finished_) return;
   tuning_->poll();
-  const std::string error = session_->add(to_raw_cloud(*message, cloud_bytes_));
-  monitor_->saw_cloud(error);
+  const RawCloud cloud = to_raw_cloud(*message, cloud_bytes_);
+  const std::string error = session_->add(cloud);
+  monitor_->saw_cloud(number_of(cloud), error);
   if (!error.empty()) ROS_ERROR_STREAM_THROTTLE(2.0, "scan refused: " << error);
   tell_news();
 }
@@ -70,6 +87,8 @@ void LioWrapper::start_again() {
 void LioWrapper::tell_news() {
   if (session_->restarts() != told_restarts_) ROS_WARN_STREAM(session_->restarted());
   told_restarts_ = session_->restarts();
+  if (!session_->output_trouble().empty() && !std::exchange(told_output_trouble_, true))
+    ROS_ERROR_STREAM(session_->output_trouble() << "; the odometry goes on, results are lost");
   const std::string clocks = session_->clock_trouble();
   if (!clocks.empty()) ROS_ERROR_STREAM_THROTTLE(5.0, clocks);
   if (session_->verdict() != told_verdict_) ROS_INFO_STREAM(session_->verdict());

@@ -5,18 +5,22 @@
 #include <ros/console.h>
 #include <ros/param.h>
 
+#include <iterator>
+#include <optional>
 #include <utility>
 
+#include "allan_lio/io/known_keys.h"
 #include "allan_lio/io/live_parameters.h"
 
 namespace allan_lio {
 namespace {
 
-/// "imu/k_gb stays 25", or what can be said of a key that is not changed while the filter runs.
-std::string what_stays(const LioConfig& config, const std::string& key) {
-  for (const ParameterEntry& entry : live_parameters(config))
-    if (entry.info.key == key && entry.items.size() == 1) return key + " stays " + entry.items.front();
-  return "what was in force stays";
+bool same_value(const ConfigEntry& a, const ConfigEntry& b) {
+  return a.items == b.items && a.is_list == b.is_list && a.senseless == b.senseless;
+}
+
+bool is_at_or_below(const std::string& key, const std::string& place) {
+  return key == place || key.compare(0, place.size() + 1, place + "/") == 0;
 }
 
 }  // namespace
@@ -38,25 +42,22 @@ void LiveTuning::poll() {
   XmlRpc::XmlRpcValue tree;
   if (!ros::param::getCached(root_, tree) || tree == last_tree_) return;
   last_tree_ = tree;
-  try {
-    take(given_parameters(tree, root_));
-  } catch (const ConfigError& error) {
-    ROS_ERROR_STREAM("ignored: " << error.what());
-  }
+  take(given_parameters(tree, root_));
 }
 
 void LiveTuning::take(const ConfigSource& now) {
+  const ConfigSource before = known_;
+  // What is deleted stays in force: the next launch clears the tree before this node is gone.
+  for (auto it = known_.begin(); it != known_.end();) it = now.count(it->first) == 0 ? known_.erase(it) : std::next(it);
   for (const auto& [key, entry] : now) {
-    const auto old = known_.find(key);
-    if (old != known_.end() && old->second.items == entry.items && old->second.is_list == entry.is_list) continue;
+    const auto old = before.find(key);
+    if ((old != before.end() && same_value(old->second, entry)) || is_empty_group(key, entry)) continue;
     if (change(key, entry)) {
       known_[key] = entry;
     } else {
-      set_back(key);
+      set_back(key, before);
     }
   }
-  // What is deleted stays in force: the next launch clears the tree before this node is gone.
-  for (auto it = known_.begin(); it != known_.end();) it = now.count(it->first) == 0 ? known_.erase(it) : std::next(it);
 }
 
 bool LiveTuning::change(const std::string& key, const ConfigEntry& entry) {
@@ -77,12 +78,13 @@ bool LiveTuning::change(const std::string& key, const ConfigEntry& entry) {
   }
 }
 
-void LiveTuning::set_back(const std::string& key) {
-  for (const ParameterEntry& entry : live_parameters(config_))
-    if (entry.info.key == key) return write(key, {entry.items, entry.is_list, "in force"});
-  const auto old = known_.find(key);
-  if (old != known_.end()) return write(key, old->second);
-  handle_.deleteParam(key);
+void LiveTuning::set_back(const std::string& key, const ConfigSource& before) {
+  const std::optional<ParameterEntry> parameter = parameter_at(config_, key);
+  const std::string place = parameter ? parameter->info.key : key;
+  if (parameter && parameter->info.live) return write(place, {parameter->items, parameter->is_list, "in force"});
+  handle_.deleteParam(place);
+  for (const auto& [old_key, entry] : before)
+    if (is_at_or_below(old_key, place)) write(old_key, entry);
 }
 
 void LiveTuning::write(const std::string& key, const ConfigEntry& entry) {

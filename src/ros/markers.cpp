@@ -4,8 +4,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <boost/make_shared.hpp>
+#include <optional>
 
-#include "allan_lio/lio/health.h"
+#include "allan_lio/lio/weak_axis.h"
 #include "allan_lio/ros/conversions.h"
 
 namespace allan_lio {
@@ -17,7 +18,6 @@ constexpr double kSigmas = 3.0;
 constexpr double kThinnest = 0.005;  // [m]: an ellipsoid without volume is not drawn
 constexpr double kBarLength = 4.0;   // [m]
 constexpr double kBarWidth = 0.08;   // [m]
-constexpr double kWeak = 0.5;        // support below which a direction is left to the IMU
 
 Marker marker(const LioResult& result, const std::string& frame, const char* name, int id, int type) {
   Marker out;
@@ -49,21 +49,17 @@ Marker ellipsoid(const LioResult& result, const std::string& frame) {
   return out;
 }
 
-/// The direction's columns are (rotation about the IMU's axes, translation along the world's).
-Marker weak_axis(const LioResult& result, const std::string& frame, int k) {
+Marker bar(const LioResult& result, const std::string& frame, int k) {
   Marker out = marker(result, frame, "weak_axes", k, Marker::LINE_LIST);
-  const PoseVector direction = result.localizability.directions.col(k);
-  if (result.localizability.support[k] >= kWeak || direction.norm() == 0.0) {
+  const std::optional<WeakAxis> weak = weak_axis(result, k);
+  if (!weak) {
     out.action = Marker::DELETE;
     return out;
   }
-  const bool turns = direction.head<3>().norm() > direction.tail<3>().norm();
-  const Eigen::Vector3d axis =
-      turns ? Eigen::Vector3d(result.state.nav.T_world_imu.rotation * direction.head<3>()) : direction.tail<3>();
-  const Eigen::Vector3d half = 0.5 * kBarLength * axis.normalized();
+  const Eigen::Vector3d half = 0.5 * kBarLength * weak->axis;
   out.points = {to_point(-half), to_point(half)};
   out.scale.x = kBarWidth;
-  paint(out, 1.0F, turns ? 0.6F : 0.1F, 0.1F, 0.9F);
+  paint(out, 1.0F, weak->turns ? 0.6F : 0.1F, 0.1F, 0.9F);
   return out;
 }
 
@@ -72,7 +68,7 @@ Marker weak_axis(const LioResult& result, const std::string& frame, int k) {
 visualization_msgs::MarkerArrayPtr to_markers(const LioResult& result, const std::string& odom_frame) {
   auto array = boost::make_shared<visualization_msgs::MarkerArray>();
   array->markers.push_back(ellipsoid(result, odom_frame));
-  for (int k = 0; k < 6; ++k) array->markers.push_back(weak_axis(result, odom_frame, k));
+  for (int k = 0; k < 6; ++k) array->markers.push_back(bar(result, odom_frame, k));
   return array;
 }
 

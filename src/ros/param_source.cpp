@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 
 #include "allan_lio/io/yaml_source.h"
 #include "allan_lio/ros/config_dirs.h"
@@ -17,8 +18,8 @@ using XmlRpc::XmlRpcValue;
 const char* const kInForce = "in_force";
 const char* const kDiagnosticPeriod = "diagnostic_period";  // diagnostic_updater's own
 
-/// As a YAML scalar would hold it.
-std::string scalar_text(const XmlRpcValue& value, const std::string& origin) {
+/// As a YAML scalar would hold it; nothing for what has no text.
+std::optional<std::string> scalar_text(const XmlRpcValue& value) {
   switch (value.getType()) {
     case XmlRpcValue::TypeBoolean:
       return static_cast<const bool&>(value) ? "true" : "false";
@@ -32,24 +33,31 @@ std::string scalar_text(const XmlRpcValue& value, const std::string& origin) {
       return text;
     }
     default:
-      throw ConfigError(origin + ": neither a number, a text, true or false, nor a list of them");
+      return std::nullopt;
+  }
+}
+
+void add_item(const XmlRpcValue& value, ConfigEntry& entry) {
+  if (const std::optional<std::string> text = scalar_text(value)) {
+    entry.items.push_back(*text);
+  } else {
+    entry.senseless = "neither a number, a text, true or false, nor a list of them";
   }
 }
 
 void flatten(const XmlRpcValue& value, const std::string& key, const std::string& root, ConfigSource& source) {
-  const std::string origin = "rosparam " + root + (key.empty() ? "" : "/" + key);
-  if (value.getType() == XmlRpcValue::TypeStruct) {
+  const bool tree = value.getType() == XmlRpcValue::TypeStruct;
+  if (tree)
     for (const auto& member : value)
       flatten(member.second, (key.empty() ? "" : key + "/") + member.first, root, source);
-    return;
-  }
+  if (tree && (value.size() > 0 || key.empty())) return;
   ConfigEntry entry;
-  entry.origin = origin;
+  entry.origin = "rosparam " + root + (key.empty() ? "" : "/" + key);
   entry.is_list = value.getType() == XmlRpcValue::TypeArray;
   if (entry.is_list) {
-    for (int i = 0; i < value.size(); ++i) entry.items.push_back(scalar_text(value[i], origin));
-  } else {
-    entry.items.push_back(scalar_text(value, origin));
+    for (int i = 0; i < value.size(); ++i) add_item(value[i], entry);
+  } else if (!tree) {
+    add_item(value, entry);
   }
   source[key] = entry;
 }
@@ -58,7 +66,8 @@ void flatten(const XmlRpcValue& value, const std::string& key, const std::string
 std::string take_text(ConfigSource& source, const std::string& key) {
   const auto found = source.find(key);
   if (found == source.end()) return "";
-  if (found->second.is_list) throw ConfigError(found->second.origin + ": a list where a text is expected");
+  if (found->second.is_list || found->second.items.empty())
+    throw ConfigError(found->second.origin + ": a text is expected");
   const std::string text = found->second.items.front();
   source.erase(found);
   return text;
@@ -112,9 +121,9 @@ NodeParameters read_node_parameters(const ros::NodeHandle& private_handle) {
   return parameters;
 }
 
-void show_in_force(const ros::NodeHandle& private_handle, const LioConfig& config) {
+void show_in_force(const ros::NodeHandle& private_handle, const ConfigSource& parameters) {
   private_handle.deleteParam(kInForce);  // what an earlier run left
-  for (const auto& [key, entry] : to_source(config)) show_in_force(private_handle, key, entry);
+  for (const auto& [key, entry] : parameters) show_in_force(private_handle, key, entry);
 }
 
 void show_in_force(const ros::NodeHandle& private_handle, const std::string& key, const ConfigEntry& entry) {

@@ -17,6 +17,7 @@
 #include "allan_lio/ros/finite.h"
 #include "allan_lio/ros/markers.h"
 #include "allan_lio/ros/state_message.h"
+#include "allan_lio/ros/stopped_at_start.h"
 
 namespace allan_lio {
 namespace {
@@ -32,7 +33,8 @@ RigidTransform look_up(const tf2_ros::Buffer& buffer, const std::string& target,
   const ros::WallTime until = ros::WallTime::now() + ros::WallDuration(patience);
   // tf2's own waiting counts in ROS time, which stands still until a simulated clock comes.
   for (std::string why; !buffer.canTransform(target, source, ros::Time(0), &why); why.clear()) {
-    if (!ros::ok() || ros::WallTime::now() > until)
+    require_running();
+    if (ros::WallTime::now() > until)
       throw ConfigError("frames/extrinsics_from_tf: no transform from '" + source + "' to '" + target + "' within " +
                         std::to_string(static_cast<int>(patience)) + " s: " + why);
     ros::WallDuration(0.02).sleep();
@@ -43,11 +45,12 @@ RigidTransform look_up(const tf2_ros::Buffer& buffer, const std::string& target,
 }  // namespace
 
 RigidTransform resolve_extrinsics(LioConfig& config, double patience) {
-  if (!config.frames.extrinsics_from_tf) return {};
+  if (!config.frames.extrinsics_from_tf) return config.T_base_imu;
   tf2_ros::Buffer buffer;
   const tf2_ros::TransformListener listener(buffer);
   config.T_imu_lidar = look_up(buffer, config.frames.imu, config.frames.lidar, patience);
-  return look_up(buffer, config.frames.base, config.frames.imu, patience);
+  config.T_base_imu = look_up(buffer, config.frames.base, config.frames.imu, patience);
+  return config.T_base_imu;
 }
 
 Eigen::Vector3d gyro_reading_variance(const LioConfig::Imu& imu, double sample_interval) {

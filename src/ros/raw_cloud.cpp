@@ -40,6 +40,11 @@ std::optional<CloudKind> cloud_kind(const RawCloud& cloud, std::string& error) {
   return std::nullopt;
 }
 
+std::optional<std::uint32_t> number_of(const RawCloud& cloud) {
+  if (cloud.size < kStampAt) return std::nullopt;
+  return load<std::uint32_t>(cloud.bytes);
+}
+
 std::optional<TimeNs> stamp_of(const RawCloud& cloud) {
   if (cloud.size < kStampEnd) return std::nullopt;
   return TimeNs{load<std::uint32_t>(cloud.bytes + kStampAt)} * kNsPerSecond +

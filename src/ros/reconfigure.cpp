@@ -8,6 +8,7 @@
 
 #include "allan_lio/io/live_parameters.h"
 #include "allan_lio/io/number_text.h"
+#include "allan_lio/ros/stopped_at_start.h"
 
 namespace allan_lio {
 namespace {
@@ -97,6 +98,7 @@ ReconfigureServer::ReconfigureServer(ros::NodeHandle private_handle, const LioCo
       descriptions_(
           private_handle.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true)),
       updates_(private_handle.advertise<Config>("parameter_updates", 1, true)) {
+  require_running();
   descriptions_.publish(to_description(in_force));
   show(in_force);
   service_ = private_handle.advertiseService("set_parameters", &ReconfigureServer::on_service, this);

@@ -45,6 +45,8 @@ StatePtr to_state_message(const LioResult& result, const LioSession& session) {
   message->residual_rms = result.residual_rms;
   Eigen::Map<PoseVector>(message->support.data()) = result.localizability.support;
   Eigen::Map<PoseVector>(message->probability.data()) = result.localizability.probability;
+  // A column after the other: each becomes a row of the message.
+  Eigen::Map<PoseMatrix>(message->directions.data()) = unscaled_directions(result.localizability);
   message->k_g = config.imu.scale.k_g;
   message->k_a = config.imu.scale.k_a;
   message->k_gb = config.imu.scale.k_gb;

@@ -48,7 +48,7 @@ void put_configuration(const LioConfig& config, Status& message) {
 }  // namespace
 
 StatusPtr to_status_message(const LioResult& result, const LioSession& session, const HealthWindow& window,
-                            double delay) {
+                            const LostOnTheWay& lost, double delay) {
   auto message = boost::make_shared<Status>();
   const Odometry& odometry = session.odometry();
   const NavState& nav = result.state.nav;
@@ -66,7 +66,7 @@ StatusPtr to_status_message(const LioResult& result, const LioSession& session, 
   message->scan_time_mean = window.mean_seconds();
   message->map_mb = odometry.map_megabytes();
   message->map_voxels = static_cast<std::uint32_t>(odometry.map_voxels());
-  for (const LossCount& loss : count_losses(odometry.counters(), session.undecodable())) {
+  for (const LossCount& loss : count_losses(odometry.counters(), session.undecodable(), lost)) {
     message->dropped.emplace_back();
     message->dropped.back().reason = loss.reason;
     message->dropped.back().count = loss.count;

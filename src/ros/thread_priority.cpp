@@ -4,6 +4,7 @@
 
 #include <sched.h>
 #include <sys/syscall.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -30,6 +31,12 @@ PollThreadPriority::~PollThreadPriority() {
 }
 
 void PollThreadPriority::on_poll() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (brake_.spins(std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec)) {
+    const timespec breath{0, kBreath};
+    nanosleep(&breath, nullptr);
+  }
   // Again where another one of this process has ended and taken it back.
   if (hindered_ || (sched_getscheduler(0) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO) return;
   thread_ = static_cast<pid_t>(syscall(SYS_gettid));

@@ -4,6 +4,7 @@
 
 #include "allan_lio/ros/lio_wrapper.h"
 #include "allan_lio/ros/shut_down_on_sigterm.h"
+#include "allan_lio/ros/stopped_at_start.h"
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "lidar_odometry");
@@ -13,6 +14,8 @@ int main(int argc, char** argv) {
   try {
     allan_lio::LioWrapper wrapped(handle, private_handle);
     ros::spin();
+  } catch (const allan_lio::StoppedAtStart&) {
+    return 0;
   } catch (const std::exception& error) {
     ROS_FATAL_STREAM(error.what());
     return 1;

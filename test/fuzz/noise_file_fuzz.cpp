@@ -1,6 +1,7 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Noise files of kalibr, imu_utils and the others. First byte: whose it is, or that it is to be told by the keys.
+// Noise files of kalibr, imu_utils and the others. First byte: whose it is, or that it is to be told by the keys, and
+// whether the rate is known.
 #include <cmath>
 
 #include "allan_lio/io/imu_yaml.h"
@@ -10,8 +11,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace allan_lio;
   FuzzInput input(data, size);
-  const std::uint8_t choice = input.take<std::uint8_t>() % 12;
-  const double rate = choice % 2 == 0 ? 0.0 : 200.0;
+  const std::uint8_t choices = input.take<std::uint8_t>(), choice = choices % 12;
+  const double rate = choices / 12 % 2 == 0 ? 200.0 : 0.0;
   const std::string text = input.text();
   try {
     const NoiseFormat format = choice < 10 ? static_cast<NoiseFormat>(choice) : detect_noise_format(text, "fuzz.yaml");

@@ -13,16 +13,19 @@ namespace {
 using namespace allan_lio;
 
 constexpr unsigned kUnits = static_cast<unsigned>(TimeUnit::kNanoseconds) + 1;
+constexpr unsigned kPointTimes = static_cast<unsigned>(PointTime::kAzimuthCounterclockwise) + 1;
+constexpr double kTurnTimes[] = {0.1, 0.01, 0.05, 1.0};  // [s]
 constexpr const char* kTimeFields[] = {"", "time", "t", "timestamp", "intensity", "x", "ring", "no such field"};
 
-/// `times`: the unit and the field of the points' times.
+/// `times`: the unit and the field of the points' times, and a spinning LiDAR's turn.
 LioConfig::Lidar options(std::uint8_t choice, std::uint8_t times) {
   LioConfig::Lidar lidar{};
   lidar.deskew = (choice & 1U) == 0;
-  lidar.point_time = static_cast<PointTime>((choice >> 1U) & 3U);
-  lidar.drop_tagged = (choice & 8U) == 0;
+  lidar.drop_tagged = (choice & 2U) == 0;
+  lidar.point_time = static_cast<PointTime>((choice >> 2U) % kPointTimes);
   lidar.time_unit = static_cast<TimeUnit>(times % kUnits);
   lidar.time_field = kTimeFields[times / kUnits % std::size(kTimeFields)];
+  lidar.turn_time = kTurnTimes[times / kUnits / std::size(kTimeFields) % std::size(kTurnTimes)];
   lidar.min_range = 0.5;
   lidar.max_range = 100.0;
   return lidar;
@@ -35,6 +38,10 @@ void check(const Scan& scan, const LioConfig::Lidar& lidar) {
     must(p.offset_ns >= scan.first_offset_ns && p.offset_ns <= scan.last_offset_ns);
     must(std::hypot(p.x, p.y, p.z) < 1.001 * lidar.max_range);
   }
+  const bool by_azimuth =
+      lidar.point_time == PointTime::kAzimuthClockwise || lidar.point_time == PointTime::kAzimuthCounterclockwise;
+  // A turn, and what its edges overlap.
+  must(!lidar.deskew || !by_azimuth || scan.last_offset_ns - scan.first_offset_ns <= 1.2e9 * lidar.turn_time);
 }
 
 }  // namespace

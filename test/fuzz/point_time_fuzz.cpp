@@ -8,6 +8,7 @@
 
 namespace {
 
+constexpr int kPointTimes = static_cast<int>(allan_lio::PointTime::kAzimuthCounterclockwise) + 1;
 constexpr int kTypes = static_cast<int>(allan_lio::NumberType::kUint64);  // numbered from 1 on
 
 }  // namespace
@@ -16,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace allan_lio;
   FuzzInput input(data, size);
   LioConfig::Lidar lidar{};
-  lidar.point_time = static_cast<PointTime>(input.take<std::uint8_t>() % 4);
+  lidar.point_time = static_cast<PointTime>(input.take<std::uint8_t>() % kPointTimes);
   lidar.time_unit = static_cast<TimeUnit>(input.take<std::uint8_t>() % 5);
   PointTimeDetector detector(lidar);
   for (int i = 0; i < 3 && !detector.settled(); ++i) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -46,7 +47,9 @@ TEST(CheckBag, AGoodRecordingIsUsableAndLioOfflineTakesTheSuggestion) {
   const CheckedBag good({}, 20.0);
   EXPECT_EQ(good.status, 0) << good.text;
   for (const char* words :
-       {"4001 messages, 200 Hz", "200 messages, 10 Hz", "no gaps", "reads in m/s^2",
+       {"topics:\n  /imu/data: sensor_msgs/Imu\n", "  /points: sensor_msgs/PointCloud2\n",
+        "4001 messages, 200 Hz, jitter 0 ms, no gaps", "200 messages, 10 Hz, jitter 0 ms, no gaps",
+        "accelerometer: reads in m/s^2, 9.8", " m/s^2 at rest\n", "; scatter at rest: N_g ",
         "standstill at the start: ", "float32 in s since the sweep's start", "clocks: scans arrive",
         "no saturation seen", "nothing that this check knows", "settings of config/lidar/velodyne16"})
     EXPECT_TRUE(good.says(words)) << words << "\n" << good.text;
@@ -115,6 +118,33 @@ TEST(CheckBag, CloudsWithoutTimesGetAConfigurationWithoutDeskewing) {
   EXPECT_EQ(timeless.status, 0) << timeless.text;
   EXPECT_TRUE(timeless.says("no field for the points' times")) << timeless.text;
   EXPECT_TRUE(timeless.says("deskew: false")) << timeless.text;
+  EXPECT_TRUE(timeless.says("  # point_time: azimuth_clockwise ")) << timeless.text;
+  EXPECT_EQ(run_tool("lio_parameters --config " + timeless.config()).status, 0);
+}
+
+/// From back to front, so that the points come in the order of a LiDAR that turns the other way.
+void turn_round(sensor_msgs::PointCloud2& cloud) {
+  const std::vector<std::uint8_t> forward = cloud.data;
+  for (std::size_t at = 0, step = cloud.point_step; at + step <= forward.size(); at += step)
+    std::copy_n(&forward[forward.size() - step - at], step, &cloud.data[at]);
+}
+
+TEST(CheckBag, TheAzimuthIsSuggestedOnlyWhereThePointsComeInItsOrder) {
+  const CheckedBag other_way({{}, [](sensor_msgs::PointCloud2& cloud) {
+                                cloud.fields.pop_back();
+                                turn_round(cloud);
+                                return true;
+                              }});
+  EXPECT_TRUE(other_way.says("  # point_time: azimuth_counterclockwise ")) << other_way.text;
+  const CheckedBag no_order({{}, [](sensor_msgs::PointCloud2& cloud) {
+                               cloud.fields.pop_back();
+                               // Half a turn twice.
+                               const std::size_t half = cloud.data.size() / 2;
+                               std::copy_n(&cloud.data[half], half, &cloud.data[0]);
+                               return true;
+                             }});
+  EXPECT_EQ(no_order.status, 0) << no_order.text;
+  EXPECT_FALSE(no_order.says("# point_time: azimuth")) << no_order.text;
 }
 
 TEST(CheckBag, TimesOfAnotherClockGetAConfigurationThatAnchorsThem) {

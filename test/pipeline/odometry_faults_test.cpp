@@ -3,6 +3,8 @@
 // A sensor in a synthetic room, standing unless a test moves it: what bad data and hard starts do to the odometry.
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "room_stand.h"
 #include "simulated_specs.h"
 
@@ -95,6 +97,67 @@ TEST(OdometryFaults, TheResultDoesNotDependOnHowTheStreamsInterleave) {
     for (std::size_t i = 0; i < run.size(); ++i) {
       EXPECT_EQ(run[i].state.nav.T_world_imu.translation, runs[0][i].state.nav.T_world_imu.translation);
       EXPECT_EQ(run[i].covariance, runs[0][i].covariance);
+    }
+  }
+}
+
+/// Of a sensor in g that stands: its reading, but for the ones at these indices, which read so many g along z.
+std::vector<ImuSample> standing_in_g(int count, const std::map<int, double>& glitches) {
+  std::vector<ImuSample> samples;
+  for (int k = 0; k < count; ++k) {
+    const auto found = glitches.find(k);
+    samples.push_back(
+        {kStart - 20'000'000 + k * kImuStep, {0, 0, 0}, {0, 0, found == glitches.end() ? 1.0 : found->second}});
+  }
+  return samples;
+}
+
+/// Scan by scan, each after so much of the IMU's data.
+Drive feed(const LioConfig& config, const std::vector<ImuSample>& imu, std::size_t samples_ahead) {
+  Odometry odometry(config);
+  Drive run;
+  std::size_t next = 0;
+  for (int i = 0; i < 30; ++i) {
+    const Scan scan = scan_of(kStart + i * kScanStep, room(i));
+    const auto up_to = [&](TimeNs t) { return next < imu.size() && imu[next].stamp <= t; };
+    while (up_to(scan.end()) || next < samples_ahead) odometry.add_imu(imu[next++]);
+    odometry.add_scan(scan);
+    while (auto result = odometry.next()) run.results.push_back(*result);
+  }
+  for (; next < imu.size(); ++next) odometry.add_imu(imu[next]);
+  odometry.end_of_data();
+  while (auto result = odometry.next()) run.results.push_back(*result);
+  run.counters = odometry.counters();
+  EXPECT_EQ(odometry.accel_scale(), config.imu.gravity);
+  return run;
+}
+
+void expect_same_bits(const Drive& a, const Drive& b) {
+  ASSERT_EQ(a.results.size(), b.results.size());
+  for (std::size_t i = 0; i < a.results.size(); ++i) {
+    EXPECT_EQ(a.results[i].state.nav.T_world_imu.translation, b.results[i].state.nav.T_world_imu.translation) << i;
+    EXPECT_EQ(a.results[i].covariance, b.results[i].covariance) << i;
+  }
+}
+
+TEST(OdometryFaults, AnAbsurdReadingOfASensorInGHidesNeitherItsUnitNorItself) {
+  constexpr int kSamples = 640, kAtTheStart = 50, kUnderWay = 400;
+  for (const AccelUnit unit : {AccelUnit::kAuto, AccelUnit::kG}) {
+    LioConfig config = default_config(mti600_spec());
+    config.imu.accel_unit = unit;
+    std::vector<ImuSample> without = standing_in_g(kSamples, {});
+    for (const int k : {kUnderWay, kAtTheStart, 0}) without.erase(without.begin() + k);
+    const Drive clean = feed(config, without, 0);
+    EXPECT_EQ(clean.counters.imu_dropped_invalid, 0u);
+    EXPECT_GE(clean.counters.scans_used, 28u);
+    EXPECT_LT(strayed(clean.results.back()), 0.05);
+    // The first one of all; one of the second that tells the unit; one that comes when the unit is known, or before if
+    // the IMU's data is far ahead.
+    const std::vector<ImuSample> with = standing_in_g(kSamples, {{0, 51}, {kAtTheStart, 450}, {kUnderWay, -60}});
+    for (const std::size_t ahead : {std::size_t{0}, with.size()}) {
+      const Drive run = feed(config, with, ahead);
+      EXPECT_EQ(run.counters.imu_dropped_invalid, 3u);
+      expect_same_bits(run, clean);
     }
   }
 }

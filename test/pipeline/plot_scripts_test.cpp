@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 
+#include "allan_lio/io/csv_table.h"
 #include "changed_bag.h"
 #include "simulated_bag.h"
 
@@ -33,13 +36,59 @@ void expect_refusal(const std::string& script, const std::string& arguments, con
   EXPECT_NE(outcome.text.find(file), std::string::npos) << outcome.text;
 }
 
-TEST(PlotScripts, DrawARunOfLioOffline) {
-  const TemporaryDirectory directory;
+/// lio_offline's results of the bag's first seconds in `directory`/run.
+void make_run(const TemporaryDirectory& directory) {
   BagChange change;
   change.duration = kShort;
   change_bag(SimulatedBag::get().bag(), directory.file("short.bag"), change);
   const Outcome run = run_lio_offline(directory.file("short.bag"), directory.file("run"));
   ASSERT_EQ(run.status, 0) << run.text;
+}
+
+/// What print_figures.py says of a curve through these values.
+std::string curve(const std::string& label, const std::vector<double>& values) {
+  char text[200];
+  std::snprintf(text, sizeof text, "  %s: %zu points, the last %.6e\n", label.c_str(), values.size(), values.back());
+  return text;
+}
+
+/// The three curves of a vector's components.
+std::string curves(const CsvTable& states, const std::string& vector) {
+  std::string text;
+  for (const char* axis : {"x", "y", "z"}) text += curve(axis, states.numbers(vector + "_" + axis));
+  return text;
+}
+
+TEST(PlotScripts, BiasesNisAndLocalizabilityAreTheCurvesOfPlotStates) {
+  const TemporaryDirectory directory;
+  ASSERT_NO_FATAL_FAILURE(make_run(directory));
+  const Outcome drawn = run_command("/usr/bin/python3 " ALLAN_LIO_SOURCE_DIR "/test/support/print_figures.py --run " +
+                                    directory.file("run") + " --out " + directory.file("states"));
+  ASSERT_EQ(drawn.status, 0) << drawn.text;
+  const CsvTable states(directory.file("run/states.csv"));
+  std::vector<double> nis, weakest(states.rows(), 1.0);
+  const std::vector<double> of_scan = states.numbers_or_nan("nis"), dof = states.numbers_or_nan("nis_dof");
+  for (std::size_t i = 0; i < dof.size(); ++i)
+    if (dof[i] > 0.0) nis.push_back(of_scan[i] / dof[i]);
+  ASSERT_FALSE(nis.empty());
+  for (const std::string& name : states.names_with("support_")) {
+    const std::vector<double> support = states.numbers(name);
+    for (std::size_t i = 0; i < support.size(); ++i) weakest[i] = std::min(weakest[i], support[i]);
+  }
+  for (const std::string& shown :
+       {"biases.png: Gyroscope bias, ±3 σ | bias [rad/s]\n" + curves(states, "bg"),
+        "biases.png: Accelerometer bias, ±3 σ | bias [m/s²]\n" + curves(states, "ba"),
+        std::string("nis.png: NIS per degree of freedom (1 is honest, above is too sure) | NIS [1]\n") +
+            curve("one scan", nis) + "  mean over 100 scans: ",
+        std::string("localizability.png: Localizability: share that the LiDAR decides (0 is left to the IMU) | "
+                    "support [1]\n"),
+        curve("weakest of the six directions", weakest)})
+    EXPECT_NE(drawn.text.find(shown), std::string::npos) << shown << "is not in\n" << drawn.text;
+}
+
+TEST(PlotScripts, DrawARunOfLioOffline) {
+  const TemporaryDirectory directory;
+  ASSERT_NO_FATAL_FAILURE(make_run(directory));
   const std::string from = " --run " + directory.file("run") + " --out ";
 
   const Outcome states = run_script("plot_states" + from + directory.file("states"));

@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 
+#include <cmath>
+#include <iterator>
+#include <map>
+
 #include "allan_lio/eval/trajectory_error.h"
 #include "allan_lio/io/tum.h"
 #include "allan_lio/ros/bag_source.h"
@@ -108,67 +112,81 @@ TEST(SensorBags, FramesThatChangeOrAreEmptyAreToldOnceAndNothingElseHappens) {
   EXPECT_TRUE(run.says("the LiDAR's messages have an empty frame_id")) << run.outcome.text;
 }
 
-struct Unit {
-  const char* name;
-  double per_second;
-};
-constexpr Unit kUnits[] = {{"s", 1.0}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}};
-constexpr std::uint8_t kTimeTypes[] = {sensor_msgs::PointField::FLOAT32, sensor_msgs::PointField::FLOAT64,
-                                       sensor_msgs::PointField::UINT32, kUint64Code};
-constexpr int kRays = 512;      // 8 columns of 64 beams
-constexpr double kSweep = 0.1;  // [s]
+constexpr std::size_t kRays = 512;  // 8 columns of 64 beams
+// Of seconds that a double holds as they are, and so does the fixture.
+constexpr TimeNs kStamps[] = {kFixtureStamp, kFixtureStamp + kNsPerSecond / 8};
 
-/// A sweep whose points' times grow with x: 1 m a sweep.
-sensor_msgs::PointCloud2 short_sweep(const FixtureLayout& layout, std::uint8_t time_type, const Unit& unit,
-                                     TimeNs stamp) {
-  std::vector<FixturePoint> points;
-  for (int i = 0; i < kRays; ++i) {
-    const double part = static_cast<double>(i) / (kRays - 1);
-    points.push_back({2.0F + static_cast<float>(part), 1.0F, 0.5F, 9.0F, kSweep * part * unit.per_second});
-  }
-  return make_cloud(layout, time_type, stamp, points);
+/// One unit and anchor of a point time; a bag holds each as a topic.
+struct TimeTopic {
+  std::string name;
+  FixtureUnit unit;
+  FixtureAnchor anchor;
+};
+
+std::vector<TimeTopic> time_topics() {
+  std::vector<TimeTopic> topics;
+  for (const FixtureUnit& unit : fixture_units())
+    for (const FixtureAnchor& anchor : fixture_anchors())
+      topics.push_back({"/points_" + std::to_string(topics.size()), unit, anchor});
+  return topics;
 }
 
-/// What the bag's only topic decodes to, one a message.
-std::vector<DecodedCloud> decode_bag(const std::string& bag) {
-  LioConfig::Lidar lidar{};
-  lidar.deskew = true;
-  lidar.max_range = 100.0;
-  CloudDecoder decoder(lidar);
-  BagSource source({bag});
-  std::vector<DecodedCloud> decoded;
-  for (BagMessage message; source.next(message);) decoded.push_back(decoder.decode(to_raw_cloud(message)));
+/// A sweep at each of kStamps in every topic.
+void write_sweeps(const std::string& file, const FixtureLayout& layout, std::uint8_t type) {
+  rosbag::Bag bag(file, rosbag::bagmode::Write);
+  for (const TimeTopic& topic : time_topics()) {
+    for (const TimeNs stamp : kStamps) {
+      const auto points = sweep_points(kRays, topic.anchor.zero(stamp), topic.unit.per_second);
+      bag.write(topic.name, to_ros_time(stamp), make_cloud(layout, type, stamp, points));
+    }
+  }
+}
+
+/// What the messages of each topic decode to.
+std::map<std::string, std::vector<DecodedCloud>> decode_bag(const std::string& file) {
+  std::map<std::string, CloudDecoder> decoders;
+  for (const TimeTopic& topic : time_topics()) {
+    LioConfig::Lidar lidar{};
+    lidar.deskew = true;
+    lidar.point_time = topic.anchor.told;
+    lidar.max_range = 100.0;
+    decoders.emplace(topic.name, lidar);
+  }
+  BagSource source({file});
+  std::map<std::string, std::vector<DecodedCloud>> decoded;
+  for (BagMessage message; source.next(message);) {
+    const std::string& topic = message.connection->topic;
+    decoded[topic].push_back(decoders.at(topic).decode(to_raw_cloud(message)));
+  }
   return decoded;
 }
 
-void expect_out_as_in(const std::string& bag, const FixtureLayout& layout, std::uint8_t type, const Unit& unit) {
-  constexpr TimeNs kStamp = 1600000000 * kNsPerSecond;
-  rosbag::Bag out(bag, rosbag::bagmode::Write);
-  for (int i = 0; i < 2; ++i) {
-    const auto cloud = short_sweep(layout, type, unit, kStamp + i * kNsPerSecond / 10);
-    out.write("/points", cloud.header.stamp, cloud);
-  }
-  out.close();
-  const bool integer = type == sensor_msgs::PointField::UINT32 || type == kUint64Code;
-  const bool too_coarse = integer && unit.per_second == 1.0;
-  const double tolerance = 30.0 + (integer ? 1e9 / unit.per_second : 0.0);  // [ns], of x and of the time
-  const std::vector<DecodedCloud> decoded = decode_bag(bag);
-  ASSERT_EQ(decoded.size(), 2U);
-  for (const DecodedCloud& cloud : decoded) {
-    ASSERT_EQ(cloud.scan.has_value(), !too_coarse) << cloud.error;
-    if (!cloud.scan) continue;
-    ASSERT_EQ(cloud.scan->points.size(), std::size_t{kRays});
-    for (const ScanPoint& p : cloud.scan->points) ASSERT_NEAR(p.offset_ns, 1e9 * kSweep * (p.x - 2.0), tolerance);
-  }
+void expect_out_as_in(const DecodedCloud& decoded, const TimeTopic& topic, std::uint8_t type, TimeNs stamp) {
+  ASSERT_EQ(decoded.scan.has_value(), holds(type, topic.unit, topic.anchor, stamp)) << decoded.error;
+  if (!decoded.scan) return;
+  EXPECT_EQ(decoded.scan->stamp, stamp);
+  ASSERT_EQ(decoded.scan->points.size(), kRays);
+  const double largest = std::abs(topic.anchor.zero(stamp)) + kFixtureSweep;
+  const double tolerance = 1.0 + 1e9 * time_step(type, topic.unit, largest);  // [ns]
+  for (std::size_t i = 0; i < kRays; ++i)
+    ASSERT_NEAR(decoded.scan->points[i].offset_ns, 1e9 * (topic.anchor.begin + kFixtureSweep * sweep_part(i, kRays)),
+                tolerance);
 }
 
-TEST(SensorBags, EveryLayoutTimeTypeAndUnitComesOutOfABagAsItWentIn) {
+TEST(SensorBags, EveryLayoutTimeTypeUnitAndAnchorComesOutOfABagAsItWentIn) {
   const TemporaryDirectory directory;
+  const std::string bag = directory.file("short.bag");
   for (const FixtureLayout& layout : driver_layouts()) {
-    for (const std::uint8_t type : kTimeTypes) {
-      for (const Unit& unit : kUnits) {
-        SCOPED_TRACE(layout.driver + ", type " + std::to_string(type) + ", " + unit.name);
-        expect_out_as_in(directory.file("short.bag"), layout, type, unit);
+    for (const std::uint8_t type : fixture_time_types()) {
+      write_sweeps(bag, layout, type);
+      const auto decoded = decode_bag(bag);
+      for (const TimeTopic& topic : time_topics()) {
+        SCOPED_TRACE(layout.driver + ", type " + std::to_string(type) + ", " + topic.unit.name + " " +
+                     topic.anchor.name);
+        ASSERT_EQ(decoded.count(topic.name), 1U);
+        ASSERT_EQ(decoded.at(topic.name).size(), std::size(kStamps));
+        for (std::size_t i = 0; i < std::size(kStamps); ++i)
+          expect_out_as_in(decoded.at(topic.name)[i], topic, type, kStamps[i]);
       }
     }
   }

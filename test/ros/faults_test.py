@@ -7,6 +7,7 @@ whatever ends the filter, its files are whole."""
 import fcntl
 import math
 import os
+import random
 import re
 import select
 import shutil
@@ -27,6 +28,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from allan_lio.msg import State, Status
+from held_master import HeldMaster
 from ros_support import TIME_LIMIT, Recorder, Recording, read, run, run_well, wait_until
 
 ROOMS = ['--scene', 'rooms', '--imu', 'mti600', '--lidar', 'velodyne16', '--seed', '1']
@@ -37,21 +39,27 @@ F_SETPIPE_SZ = 1031  # Linux; in Python's fcntl from 3.10 on
 ROOM_OF_A_ROW = 200  # [bytes] at least, of trajectory.tum
 A_WHILE = 2.0  # [s]
 FASTEST = 4.0  # [m/s], of one who walks
-# nodelet's own destructor aborts after it has ended the nodelets, if its bond with their loader is still being made.
-MANAGER_STATUSES = (0, -signal.SIGABRT)
+# nodelet's own manager aborts after it has ended the nodelets, if its bond with their loader is still being made.
+FOREIGN_MANAGER_STATUSES = (0, -signal.SIGABRT)
+RANDOM = random.Random(1)
+# [s] after the first results, of the 3 s or so that the bag is played: when a nodelet is unloaded
+UNLOADED_AFTER = [round(RANDOM.uniform(0.0, 1.5), 3) for _ in range(4)]
 SILENCES = ['imu_gap_long', 'lidar_gap_long']
 # What they have dropped, by the names of ~status.
 DROPPED = {'clouds: undecodable', 'scans: not_newer_than_the_last', 'scans: too_few_points', 'imu: dropped_not_newer',
            'imu: dropped_invalid', 'imu: gaps', 'points: invalid', 'points: out_of_range'}
 SCANS = 140  # of the bag without faults
 NO_TIMES_CLIPPED_GYRO = 'include: [robots/simulated]\nimu: {gyro_range: 1.0}\nlidar: {deskew: false}\n'
+AZIMUTH_CLIPPED_ACCEL = ('include: [robots/simulated]\nimu: {accel_range: 12.0}\n'
+                         'lidar: {point_time: azimuth_clockwise}\n')
 # Faults that leave each other alone, the configuration, and what the summary must count, by the names of ~status.
 SURVIVED = [
     (['lidar_from_the_future', 'lidar_gap'], 'simulated',
      {'scans: used': SCANS - 1 - 20, 'scans: not_newer_than_the_last': 1, 'scans: map_restarts': 0}),
     (['imu_gap_long'], 'simulated', {'scans: used': SCANS, 'imu: gaps': 1, 'imu: starts_in_place': 0}),
     (['imu_gap_short', 'imu_saturated', 'no_time_field'], NO_TIMES_CLIPPED_GYRO,
-     {'scans: used': SCANS, 'imu: gaps': 0, 'imu: saturated': 65})]
+     {'scans: used': SCANS, 'imu: gaps': 0, 'imu: saturated': 65}),
+    (['imu_saturated_accel', 'no_time_field'], AZIMUTH_CLIPPED_ACCEL, {'scans: used': SCANS, 'imu: saturated': 600})]
 BEFORE_IT_IS_SET = 90  # scans at least, of the 100 before the clock is set
 # Everything that the nodelets publish.
 TOPICS = {'/lidar_odometry/odometry': Odometry, '/imu_odometry': Odometry, '/lidar_odometry/state': State,
@@ -175,6 +183,7 @@ class Faults(unittest.TestCase):
         self.assertLess(max(speed(message) for message in seen['/imu_odometry']), FASTEST)
 
         states, last = seen['/lidar_odometry/state'], seen['/lidar_odometry/status'][-1]
+        self.check_that_the_thin_scan_is_said(seen['/lidar_odometry/status'])
         self.assertIn((State.TOO_FEW_POINTS, 0), {(m.outcome, m.points) for m in states}, 'the empty scans')
         self.assertEqual(last.header.stamp, states[-1].header.stamp)
         self.assertGreater(min(count.count for count in last.dropped), 0)
@@ -183,6 +192,13 @@ class Faults(unittest.TestCase):
             # After the last status of all one more may have been dropped.
             late = count_of(summary, count.reason) - count.count
             self.assertTrue(0 <= late <= 1, '{}: {} fewer than in the summary'.format(count.reason, late))
+
+    def check_that_the_thin_scan_is_said(self, statuses):
+        thin = [m for m in statuses if m.outcome == State.TOO_FEW_POINTS and m.points > 0]
+        self.assertGreater(len(thin), 0)
+        for message in thin:
+            self.assertEqual(message.level, Status.WARN, message.message)
+            self.assertIn('the scan has too few points', message.message)
 
     def test_gaps_limits_and_what_is_switched_off_give_the_results_of_the_offline_runner(self):
         for faults, config, counts in SURVIVED:
@@ -256,6 +272,38 @@ class Faults(unittest.TestCase):
         self.assertIn('incomplete: ', summary_of(out)['status'])
         self.assertEqual(read(out, 'states.csv'), read(self.good, 'states.csv'))
 
+    def test_a_full_disk_is_said_while_the_filter_goes_on_and_again_at_the_signal_that_ends_it(self):
+        out = os.path.join(self.directory, 'full_live')
+        os.makedirs(out)
+        os.symlink('/dev/full', os.path.join(out, 'trajectory.tum'))
+        lost = os.path.join(out, 'trajectory.tum') + ': could not be written'
+        diagnostics, states = Recorder('/diagnostics', DiagnosticArray), Recorder('/filter/state', State)
+        status = Recorder('/filter/status', Status)
+        with open(os.path.join(out, 'log'), 'w') as log:
+            node = subprocess.Popen(['rosrun', 'allan_lio', 'lidar_odometry_node', '__name:=filter',
+                                     '_config:=simulated', '_out:=' + out], stdout=log, stderr=subprocess.STDOUT)
+        # In real time, so that the bag does not end before the filter.
+        player = self.start('rosrun', 'allan_lio', 'play_bag', self.bag, '--rate', '1', '--filter', 'filter')
+        try:
+            status.wait(1, lambda m: lost in m.message)
+            reported = diagnostics.wait(1, lambda m: any(lost in v.value for s in m.status for v in s.values))
+            # A byte in some versions of the message.
+            self.assertEqual({bytes([s.level]) if isinstance(s.level, int) else s.level for s in reported.status},
+                             {bytes([Status.ERROR])})
+            self.assertEqual(states.wait(5).outcome, State.UPDATED)
+            said = read(out, 'log').decode()
+            self.assertEqual(said.count(lost + ' (is the disk full?); the odometry goes on'), 1, said)
+            node.send_signal(signal.SIGINT)
+            self.assertEqual(node.wait(TIME_LIMIT), 0)
+        finally:
+            self.end([player, node])
+            for recorder in (diagnostics, states, status):
+                recorder.end()
+        at_the_end = read(out, 'log').decode()[len(said):]
+        self.assertEqual(at_the_end.count(lost), 1, at_the_end)
+        self.assertTrue(summary_of(out)['status'].startswith('incomplete: ' + lost))
+        self.assertTrue(read(self.good, 'states.csv').startswith(read(out, 'states.csv')))
+
     # --- the end of the filter at any moment ---
 
     @staticmethod
@@ -267,10 +315,13 @@ class Faults(unittest.TestCase):
         return [self.start('rosrun', 'allan_lio', 'lidar_odometry_node', '__name:=filter', '_config:=simulated',
                            '_out:=' + out)]
 
-    def start_manager(self, out):
-        manager = self.start('rosrun', 'nodelet', 'nodelet', 'manager', '__name:=manager')
-        return [manager, self.start('rosrun', 'nodelet', 'nodelet', 'load', 'allan_lio/LidarOdometry', 'manager',
-                                    '__name:=filter', '_config:=simulated', '_out:=' + out)]
+    def start_manager(self, out, manager=('allan_lio', 'nodelet_manager')):
+        return [self.start('rosrun', *manager, '__name:=manager'),
+                self.start('rosrun', 'nodelet', 'nodelet', 'load', 'allan_lio/LidarOdometry', 'manager',
+                           '__name:=filter', '_config:=simulated', '_out:=' + out)]
+
+    def start_foreign_manager(self, out):
+        return self.start_manager(out, ('nodelet', 'nodelet', 'manager'))
 
     def start_nodelet(self, out):
         return self.start_manager(out)[::-1]
@@ -319,17 +370,51 @@ class Faults(unittest.TestCase):
     def test_a_signal_to_the_manager_leaves_whole_files(self):
         for delay in (0.1, 0.57):
             self.interrupt('manager_{}'.format(delay), self.start_manager,
-                           lambda process: process.send_signal(signal.SIGTERM), delay, MANAGER_STATUSES)
+                           lambda process: process.send_signal(signal.SIGTERM), delay)
+
+    def test_a_signal_to_nodelets_own_manager_leaves_whole_files(self):
+        self.interrupt('foreign', self.start_foreign_manager,
+                       lambda process: process.send_signal(signal.SIGTERM), 0.1, FOREIGN_MANAGER_STATUSES)
 
     def test_unloading_the_nodelet_leaves_whole_files(self):
-        for delay in (0.2, 0.71):
+        for delay in UNLOADED_AFTER:
             self.interrupt('unload_{}'.format(delay), self.start_nodelet,
                            lambda process: process.send_signal(signal.SIGINT), delay)
 
     def test_a_signal_before_the_first_scan_leaves_whole_files(self):
-        for start, statuses in ((self.start_node, (0,)), (self.start_manager, MANAGER_STATUSES)):
-            self.interrupt('early_' + start.__name__, start, lambda process: process.send_signal(signal.SIGINT), None,
-                           statuses)
+        for start in (self.start_node, self.start_manager):
+            for number in (signal.SIGINT, signal.SIGTERM):
+                self.interrupt('early_{}_{}'.format(start.__name__, int(number)), start,
+                               lambda process: process.send_signal(number), None)
+
+    def test_a_signal_while_the_node_makes_its_topics_leaves_whole_files(self):
+        # Of what it advertises next, nothing is a topic any more.
+        for topic in ('status', 'parameter_descriptions'):
+            out = os.path.join(self.directory, 'starts_' + topic)
+            master = HeldMaster('/starts/' + topic)
+            node = self.start('env', 'ROS_MASTER_URI=' + master.uri, 'rosrun', 'allan_lio', 'lidar_odometry_node',
+                              '__name:=starts', '_config:=simulated', '_out:=' + out)
+            try:
+                wait_until(master.held.is_set, 'the node advertises ' + topic)
+                node.send_signal(signal.SIGTERM)
+                self.assertEqual(node.wait(TIME_LIMIT), 0, topic)
+                self.expect_whole(out)
+            finally:
+                master.end()
+                self.end([node])
+
+    def test_a_signal_while_the_node_waits_for_extrinsics_is_no_error(self):
+        config = self.write('waits.yaml', 'include: [robots/simulated]\nframes: {extrinsics_from_tf: true}\n')
+        for name in ('lidar_odometry_node', 'imu_propagation_node'):
+            tf = rospy.Publisher('/tf_static', TFMessage, queue_size=1)
+            node = self.start('rosrun', 'allan_lio', name, '__name:=waits', '_config:=' + config)
+            try:
+                wait_until(lambda: tf.get_num_connections() > 0, 'the node waits')
+                node.send_signal(signal.SIGTERM)
+                self.assertEqual(node.wait(TIME_LIMIT), 0, name)
+            finally:
+                tf.unregister()
+                self.end([node])
 
     def test_rosnode_kill_leaves_whole_files(self):
         for start in (self.start_node, self.start_nodelet):

@@ -3,7 +3,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a field engineer does to the nodelets while they run: other parameters, services, status, several of them."""
 import math
+import operator
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -16,6 +18,7 @@ import dynamic_reconfigure.client
 import rosbag
 import rospy
 import rostest
+import yaml
 from allan_lio.msg import State, Status
 from allan_lio.srv import SaveMap, SetPose
 from diagnostic_msgs.msg import DiagnosticArray
@@ -36,6 +39,11 @@ ARRIVED = 1.0 * SLOWER  # [s] after which a parameter that was set has reached t
 SET_POSE = (40.0, -30.0, 2.0)  # [m]
 SIGMA_SET = 0.3  # [m]
 BACK = 1.0  # [s] that the stamps must go back by for a new recording
+SETTLED = 20  # numbers after a gap until it counts (SequenceWatch)
+CORRIDOR = ['--scene', 'corridor', '--max-range', '20', '--imu', 'mti600', '--lidar', 'velodyne16', '--seed', '1',
+            '--duration', '50']
+IN_THE_CORRIDOR = 400  # scans, after which neither end of it is within the LiDAR's range
+ALONG = 0.95  # cosine of the angle between the way down the corridor and the weak axis, at least
 NEAR = 2.0  # [m] that the simulated robot walks in the second or so after a pose was set
 
 TWO_ROBOTS = """<launch>
@@ -65,6 +73,18 @@ TWO_ROBOTS = """<launch>
       <remap from="/imu/data" to="/b/imu"/>
     </node>
   </group>
+</launch>
+"""
+
+
+PROPAGATION = """<launch>
+  <node pkg="nodelet" type="nodelet" name="propagation_manager" args="manager" output="screen"/>
+  <node pkg="nodelet" type="nodelet" name="imu_propagation" args="load allan_lio/ImuPropagation propagation_manager"
+        clear_params="true" output="screen">
+    <param name="config" value="simulated"/>
+    <param name="imu/k_gb" value="3"/>
+    <param name="imu/gravity" value="9.81"/>
+  </node>
 </launch>
 """
 
@@ -125,6 +145,10 @@ class PacedPlayer:
             count -= topic == '/points'
         time.sleep(0.1)  # the sweep's time
 
+    def skip(self, topic, count):
+        """As if so many messages had been lost on their way: rospy numbers them by this count."""
+        self.publishers[topic].impl.seq += count
+
 
 class LiveNode(unittest.TestCase):
     @classmethod
@@ -139,9 +163,9 @@ class LiveNode(unittest.TestCase):
     def tearDownClass(cls):
         shutil.rmtree(cls.directory, ignore_errors=True)
 
-    def start(self, *command, log='log'):
+    def start(self, *command, log='log', directory=None):
         log = open(os.path.join(self.directory, log), 'w')
-        process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+        process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, cwd=directory)
 
         def end():
             process.send_signal(signal.SIGINT)
@@ -160,6 +184,10 @@ class LiveNode(unittest.TestCase):
         """What the nodes of the launch have printed."""
         return read(self.directory, 'log').decode()
 
+    def refusals(self, words):
+        """The lines that say that a value is refused, and these words."""
+        return [line for line in self.said().splitlines() if 'refused: ' in line and words in line]
+
     def wait_for_parameter(self, name, value):
         until = time.time() + TIME_LIMIT
         while time.time() < until and rospy.get_param(name, None) != value:
@@ -169,7 +197,7 @@ class LiveNode(unittest.TestCase):
     def test_parameters_change_while_the_filter_runs_and_bad_ones_are_refused_and_set_back(self):
         states = Recorder('/lidar_odometry/state', State)
         status = Recorder('/lidar_odometry/status', Status)
-        self.launch()
+        end = self.launch()
         before = states.wait(30)
         self.assertEqual(before.k_gb, 1.0)
         rospy.set_param('/lidar_odometry/imu/k_gb', 25)
@@ -183,16 +211,82 @@ class LiveNode(unittest.TestCase):
         self.assertNotEqual(before.config_hash, changed.config_hash)
         self.assertEqual(status.wait(1).config_hash, changed.config_hash)
 
-        for bad in (-3.0, 'many', 0):
+        bad_values = (-3.0, 'many', 0, [[1]], {}, {'a': 1})
+        for bad in bad_values:
             rospy.set_param('/lidar_odometry/imu/k_gb', bad)
             self.wait_for_parameter('/lidar_odometry/imu/k_gb', 25)
-        self.assertEqual(self.said().count('imu/k_gb stays 25'), 3, self.said())
+        self.assertEqual(len(self.refusals('imu/k_gb stays 25')), len(bad_values), self.said())
         rospy.set_param('/lidar_odometry/map/voxel_size', 2.0)
         rospy.set_param('/lidar_odometry/imu/k_gbb', 2.0)
         self.wait_for_parameter('/lidar_odometry/map/voxel_size', None)
         self.wait_for_parameter('/lidar_odometry/imu/k_gbb', None)
+        in_force = rospy.get_param('/lidar_odometry/in_force/map/voxel_size')
+        self.assertEqual(len(self.refusals('map/voxel_size stays {:g}'.format(in_force))), 1, self.said())
+        unknown = self.refusals('all that is in force stays')
+        self.assertEqual(len(unknown), 1, self.said())
+        self.assertIn("'imu/k_gbb'", unknown[0])
+        self.assertEqual(len(self.refusals('')), len(bad_values) + 2, self.said())
         now = status.wait(2)
         self.assertEqual((now.k_gb, now.k_g, now.k_r), (25.0, 1.0, 1.0))
+
+        end()
+        summary = yaml.safe_load(read(self.directory, 'out', 'summary.yaml'))
+        for suffix, config_hash, k_gb in (('', changed.config_hash, 25), ('_at_start', before.config_hash, 1)):
+            self.assertEqual(summary['parameters_hash' + suffix], config_hash)
+            self.assertEqual(summary['parameters' + suffix]['imu']['k_gb'], k_gb)
+
+    def test_a_value_that_is_none_is_set_back_and_does_not_hold_up_the_others(self):
+        states = Recorder('/lidar_odometry/state', State)
+        self.launch()
+        states.wait(5)
+        # At once, so that the filter sees both together.
+        rospy.set_param('/lidar_odometry/imu', {'k_g': [[1]], 'k_gb': 4, 'gravity': {}})
+        self.assertEqual(states.wait(1, lambda m: m.k_gb == 4.0).k_g, 1.0)
+        self.wait_for_parameter('/lidar_odometry/imu/k_g', 1)
+        self.wait_for_parameter('/lidar_odometry/imu/gravity', None)
+        self.assertEqual(len(self.refusals('imu/k_g stays 1')), 1, self.said())
+        self.assertEqual(len(self.refusals('imu/gravity stays 9.80665')), 1, self.said())
+        # Values in the place of groups: what stood below them stands there again.
+        rospy.set_param('/lidar_odometry/imu', 3)
+        self.wait_for_parameter('/lidar_odometry/imu', {'k_g': 1, 'k_gb': 4})
+        self.assertEqual(len(self.refusals('all that is in force stays')), 1, self.said())
+        # What is deleted stays in force, without a word.
+        rospy.delete_param('/lidar_odometry/imu/k_g')
+        rospy.delete_param('/lidar_odometry/imu/k_gb')
+        rospy.set_param('/lidar_odometry/lidar/k_r', 2)
+        self.assertEqual(states.wait(1, lambda m: m.k_r == 2.0).k_gb, 4.0)
+        self.assertEqual(rospy.get_param('/lidar_odometry/imu'), {})
+        self.assertEqual(len(self.refusals('')), 3, self.said())
+
+    def test_the_propagation_says_that_the_multipliers_are_the_filters(self):
+        file = os.path.join(self.directory, 'propagation.launch')
+        with open(file, 'w') as launch:
+            launch.write(PROPAGATION)
+        self.start('roslaunch', '--wait', file)
+        wait_until(lambda: 'has no effect' in self.said(), 'a warning')
+        self.assertIn('imu/k_gb (rosparam /imu_propagation/imu/k_gb) has no effect', self.said())
+        self.assertEqual(self.said().count('has no effect'), 1, self.said())
+        self.assertEqual(rospy.get_param('/imu_propagation/in_force/frames/odom'), 'odom')
+        self.assertFalse(rospy.has_param('/imu_propagation/in_force/imu/k_gb'))
+
+    def test_numbers_that_a_topic_skips_are_messages_lost_before_they_arrived(self):
+        self.start('roslaunch', '--wait', 'allan_lio', 'lio.launch')
+        rospy.wait_for_service('/lidar_odometry/finish', TIME_LIMIT)
+        status = Recorder('/lidar_odometry/status', Status)
+        play = PacedPlayer(self.bag)
+
+        def lost():
+            counts = {count.reason: count.count for count in status.messages[-1].dropped} if status.messages else {}
+            return [counts.get(sensor + ': lost_before_arrival', 0) for sensor in ('imu', 'scans')]
+
+        for _ in range(SETTLED + 5):
+            play.scans(1)
+        self.assertEqual(lost(), [0, 0])
+        play.skip('/imu/data', 7)
+        play.skip('/points', 3)
+        for _ in range(SETTLED + 5):
+            play.scans(1)
+        wait_until(lambda: lost() == [7, 3], 'the losses are in ~status')
 
     def test_a_parameter_that_is_set_between_two_scans_is_in_force_in_the_next_one(self):
         self.start('roslaunch', '--wait', 'allan_lio', 'lio.launch')
@@ -230,7 +324,8 @@ class LiveNode(unittest.TestCase):
             play.scans(1)
         before = growth()
         rospy.set_param('/lidar_odometry/imu/accel_range', 5.0)  # less than gravity: all readings are at their limit
-        time.sleep(ARRIVED)
+        while states.messages[-1].accel_range != 5.0:
+            play.scans(1)
         # An acceleration beyond the range by 1 m/s^2 (1 sigma) for a period of the IMU.
         missed = (0.2 * 5.0 * IMU_PERIOD) ** 2
         self.assertLess(before, 0.1 * missed)
@@ -253,6 +348,7 @@ class LiveNode(unittest.TestCase):
         self.assertEqual(rospy.get_param('/lidar_odometry/imu/k_ab'), 3)
         self.assertEqual(rospy.get_param('/lidar_odometry/in_force/lidar/k_r'), 2)
         self.assertEqual(client.update_configuration({'imu/k_ab': -1.0})['imu/k_ab'], 3.0)
+        self.assertEqual(len(self.refusals('imu/k_ab stays 3')), 1, self.said())
         self.assertEqual(states.wait(3).k_ab, 3.0)
         client.close()
 
@@ -292,6 +388,33 @@ class LiveNode(unittest.TestCase):
         again = odometry.wait(1 + UNDER_WAY)
         self.assertLess(math.dist(position(again), (0, 0, 0)), NEAR)
         self.assertLess(math.sqrt(again.pose.covariance[0]), SIGMA_SET)
+
+    def test_without_an_output_the_map_is_saved_in_the_nodes_own_directory(self):
+        own = os.path.join(self.directory, 'own')
+        os.makedirs(own)
+        odometry = Recorder('/without_out/odometry', Odometry)
+        self.start('rosrun', 'allan_lio', 'lidar_odometry_node', '__name:=without_out', '_config:=simulated',
+                   log='own_log', directory=own)
+        self.start('rosrun', 'allan_lio', 'play_bag', self.bag, '--rate', str(RATE), '--filter', 'without_out',
+                   log='player')
+        odometry.wait(10)
+        save = rospy.ServiceProxy('/without_out/save_map', SaveMap)
+        for path, name in (('', 'map.pcd'), ('part.pcd', 'part.pcd'), ('./again.pcd', 'again.pcd')):
+            saved = save(path)
+            self.assertTrue(saved.success, saved.message)
+            self.assertEqual(os.path.normpath(saved.message.split(': ')[0]), os.path.join(own, name))
+            self.assertIn(b'FIELDS x y z', read(own, name)[:400])
+
+    def test_a_latency_beyond_the_limit_is_told_and_is_a_failure(self):
+        bag = os.path.join(self.directory, 'short.bag')
+        run_well('rosrun', 'allan_lio', 'simulate_bag', '--scene', 'rooms', '--imu', 'mti600', '--lidar', 'velodyne16',
+                 '--seed', '1', '--duration', '4', '--out', bag)
+        self.start('roslaunch', '--wait', 'allan_lio', 'lio.launch', log='latency')
+        rospy.wait_for_service('/lidar_odometry/finish', TIME_LIMIT)
+        measured = run('rosrun', 'allan_lio', 'imu_latency', bag, '--limit', '1e-9')
+        self.assertEqual(measured.returncode, 1, measured.stdout)
+        self.assertIn(' messages, 0.000 % within 1e-06 ms; median ', measured.stdout)
+        self.assertIn('that is less than 99.9 %', measured.stdout)
 
     def test_a_simulated_clock_that_is_set_back_is_said_once_and_all_goes_on(self):
         rospy.set_param('/use_sim_time', True)
@@ -342,6 +465,28 @@ class LiveNode(unittest.TestCase):
         self.assertIn('follows', report.message)
         self.assertIn('CPU per scan [ms]', [v.key for v in report.values])
         end()
+
+    def test_in_a_corridor_state_and_diagnostics_name_the_weak_axis(self):
+        bag = os.path.join(self.directory, 'corridor.bag')
+        run_well('rosrun', 'allan_lio', 'simulate_bag', *CORRIDOR, '--out', bag)
+        states = Recorder('/lidar_odometry/state', State)
+        diagnostics = Recorder('/diagnostics', DiagnosticArray)
+
+        def named(report):
+            values = [v.value for s in report.status for v in s.values if v.key == 'weak axes in odom']
+            return values[0] if values else ''
+
+        self.start('roslaunch', '--wait', 'allan_lio', 'bag.launch', 'bag:=' + bag, 'rate:=' + str(RATE))
+        states.wait(IN_THE_CORRIDOR)
+        words = named(diagnostics.wait(1, lambda m: named(m).startswith('translation along')))
+        weak = states.wait(1, lambda m: m.support[0] < 0.5)
+        before = states.messages[-40]
+        way = [getattr(weak.position, axis) - getattr(before.position, axis) for axis in 'xyz']
+        way = [w / math.hypot(*way) for w in way]
+        along = weak.directions[3:6]
+        self.assertGreater(abs(sum(map(operator.mul, way, along))), ALONG * math.hypot(*along), weak.directions)
+        axis = [float(n) for n in re.match(r'translation along \((\S+) (\S+) (\S+)\)', words).groups()]
+        self.assertGreater(abs(sum(map(operator.mul, way, axis))), ALONG, words)
 
     def test_the_way_of_an_imu_message_has_real_time_priority_and_a_scan_has_not(self):
         odometry = Recorder('/imu_odometry', Odometry)

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_fixture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 
 #include "allan_lio/ros/conversions.h"
@@ -17,6 +19,19 @@ constexpr auto kF64 = PointField::FLOAT64;
 constexpr auto kU8 = PointField::UINT8;
 constexpr auto kU16 = PointField::UINT16;
 constexpr auto kU32 = PointField::UINT32;
+
+constexpr double kOtherClock = 7000.0;  // [s] at kFixtureStamp
+
+double since_the_start(TimeNs) { return 0.0; }
+double before_the_end(TimeNs) { return -kFixtureSweep; }
+/// Rounded once: the step of such seconds is all that the tests allow for.
+double of_the_clock(TimeNs stamp) {
+  return static_cast<double>(stamp / kNsPerSecond) + 1e-9 * static_cast<double>(stamp % kNsPerSecond);
+}
+double of_the_clock_at_the_end(TimeNs stamp) { return of_the_clock(stamp - to_ns(kFixtureSweep)); }
+double of_another_clock(TimeNs stamp) { return kOtherClock + 1e-9 * static_cast<double>(stamp - kFixtureStamp); }
+
+bool is_integer(std::uint8_t type) { return type == kU32 || type == kUint64Code; }
 
 void put(std::uint8_t* to, std::uint8_t type, double value) {
   const auto as = [to](auto number) { std::memcpy(to, &number, sizeof number); };
@@ -148,6 +163,55 @@ sensor_msgs::PointCloud2 make_cloud(const FixtureLayout& layout, std::uint8_t ti
       put(&cloud.data[i * cloud.point_step + field.offset], field.datatype,
           value_of(field.name, layout.time_field, points[i]));
   return cloud;
+}
+
+const std::vector<FixtureUnit>& fixture_units() {
+  static const std::vector<FixtureUnit> kUnits{{"s", 1.0}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}};
+  return kUnits;
+}
+
+const std::vector<FixtureAnchor>& fixture_anchors() {
+  static const std::vector<FixtureAnchor> kAnchors{
+      {"since the start, stamped there", since_the_start, 0.0, PointTime::kAuto},
+      {"since the start, stamped at the end", since_the_start, -kFixtureSweep, PointTime::kEnd},
+      {"before the end, stamped there", before_the_end, -kFixtureSweep, PointTime::kAuto},
+      {"of the clock, stamped at the start", of_the_clock, 0.0, PointTime::kAuto},
+      {"of the clock, stamped at the end", of_the_clock_at_the_end, -kFixtureSweep, PointTime::kAuto},
+      {"of another clock, stamped at the start", of_another_clock, 0.0, PointTime::kStart},
+      {"of another clock, stamped at the end", of_another_clock, -kFixtureSweep, PointTime::kEnd},
+  };
+  return kAnchors;
+}
+
+const std::vector<std::uint8_t>& fixture_time_types() {
+  static const std::vector<std::uint8_t> kTypes{kF32, kF64, kU32, kUint64Code};
+  return kTypes;
+}
+
+double time_step(std::uint8_t type, const FixtureUnit& unit, double largest) {
+  const double fine = type == kF32 ? std::numeric_limits<float>::epsilon() : std::numeric_limits<double>::epsilon();
+  // Integers too come to the fixture, and from the reader, as doubles.
+  return std::max(is_integer(type) ? 1.0 / unit.per_second : 0.0, largest * fine);
+}
+
+bool holds(std::uint8_t type, const FixtureUnit& unit, const FixtureAnchor& anchor, TimeNs stamp) {
+  const double zero = anchor.zero(stamp), largest = std::abs(zero) + kFixtureSweep;
+  if (is_integer(type) && zero < 0.0) return false;
+  // Where the zero is unknown anyway, a count that wraps does as well.
+  if (anchor.told == PointTime::kAuto && type == kU32 && largest * unit.per_second > 4294967295.0) return false;
+  return time_step(type, unit, largest) < 0.01 * kFixtureSweep + 1e-12;
+}
+
+double sweep_part(std::size_t point, std::size_t points) {
+  return static_cast<double>(point) / static_cast<double>(points - 1);
+}
+
+std::vector<FixturePoint> sweep_points(std::size_t points, double zero, double per_second) {
+  std::vector<FixturePoint> all;
+  for (std::size_t i = 0; i < points; ++i)
+    all.push_back({2.0F + 0.01F * static_cast<float>(i), -1.0F, 0.25F, static_cast<float>(i % 200),
+                   (zero + kFixtureSweep * sweep_part(i, points)) * per_second});
+  return all;
 }
 
 std::vector<std::uint8_t> livox_custom_bytes(TimeNs stamp, const std::string& frame,

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "allan_lio/lio/lio_config.h"
 #include "allan_lio/math/time.h"
 
 namespace allan_lio {
@@ -46,6 +47,40 @@ const std::vector<FixtureLayout>& driver_layouts();
 /// wrap as they do in a driver that casts them.
 sensor_msgs::PointCloud2 make_cloud(const FixtureLayout& layout, std::uint8_t time_type, TimeNs stamp,
                                     const std::vector<FixturePoint>& points);
+
+constexpr double kFixtureSweep = 0.1;                   // [s]
+constexpr TimeNs kFixtureStamp = 1600000000'250000000;  // [ns] of a first sweep
+
+/// What a time field counts in.
+struct FixtureUnit {
+  const char* name;
+  double per_second;
+};
+const std::vector<FixtureUnit>& fixture_units();
+
+/// What a time field counts from, where the stamp stands in the sweep, and what the configuration says of it.
+struct FixtureAnchor {
+  const char* name;
+  double (*zero)(TimeNs stamp);  ///< the field's value at the sweep's begin [s]
+  double begin;                  ///< of the sweep less the stamp [s]
+  PointTime told;
+};
+const std::vector<FixtureAnchor>& fixture_anchors();
+
+/// The types that drivers give a time field, as sensor_msgs/PointField and kUint64Code number them.
+const std::vector<std::uint8_t>& fixture_time_types();
+
+/// The step in which a field of this type counts times as large as these [s].
+double time_step(std::uint8_t type, const FixtureUnit& unit, double largest);
+
+/// Whether the type holds the times of a sweep with this stamp at all, and finely enough.
+bool holds(std::uint8_t type, const FixtureUnit& unit, const FixtureAnchor& anchor, TimeNs stamp);
+
+/// The part of a sweep that is over at a point [1].
+double sweep_part(std::size_t point, std::size_t points);
+
+/// A sweep of so many points, the field's value at its begin `zero` [s].
+std::vector<FixturePoint> sweep_points(std::size_t points, double zero, double per_second);
 
 /// The bytes of a Livox CustomMsg; raw_time is offset_time [ns].
 std::vector<std::uint8_t> livox_custom_bytes(TimeNs stamp, const std::string& frame,

@@ -276,6 +276,7 @@ TEST(Config, BadValuesAreRefusedWithKeyValueAndOrigin) {
       {"extrinsics: {T_imu_lidar: {translation: [1, 2, nan]}}", "extrinsics/T_imu_lidar/translation[2]",
        "not a finite"},
       {"extrinsics: {T_imu_lidar: {rotation: [0, 0, 0, 2]}}", "extrinsics/T_imu_lidar/rotation[3]", "-1.001 to 1.001"},
+      {"extrinsics: {T_base_imu: {translation: [1, 2]}}", "extrinsics/T_base_imu/translation", "list of 3 numbers"},
   };
   for (const auto& item : cases) {
     const std::string error = complaint(item.yaml);
@@ -291,9 +292,33 @@ TEST(Config, ValuesThatContradictEachOtherAreRefusedWithTheirOrigins) {
   EXPECT_HAS(range, "test.yaml:3");
   EXPECT_HAS(complaint("frames: {odom: base_link}\n"), "frames/odom and frames/base must differ");
   EXPECT_HAS(complaint("topics: {lidar: \"\"}\n"), "topics/lidar must not be empty");
+  EXPECT_HAS(complaint("lidar: {max_registered: 49}\n"),
+             "lidar/max_registered = 49 must be 0 or at least lidar/min_points = 50");
+  EXPECT_EQ(complaint("lidar: {max_registered: 50}\n"), "");
+  const std::string same_frame = "frames: {imu: base_link}\nextrinsics: {T_base_imu: {translation: [0, 0, 1]}}\n";
+  EXPECT_HAS(complaint(same_frame), "frames/base and frames/imu are both 'base_link'");
+  EXPECT_EQ(complaint("frames: {imu: base_link}\n"), "");
+  EXPECT_EQ(complaint("frames: {extrinsics_from_tf: true, imu: base_link}\n"
+                      "extrinsics: {T_base_imu: {translation: [0, 0, 1]}}\n"),
+            "");
+}
+
+TEST(Config, TheBaseIsTheImuUnlessItIsSaidWhereItIs) {
+  const LioConfig silent = read_config(source_with(""));
+  EXPECT_EQ(silent.T_base_imu.translation, Eigen::Vector3d::Zero());
+  EXPECT_EQ(silent.T_base_imu.rotation.w(), 1.0);
+  const LioConfig told = read_config(
+      source_with("extrinsics: {T_base_imu: {translation: [0.3, 0.1, 0.2], rotation: [0, 0, 0.6, 0.8]}}\n"));
+  EXPECT_EQ(told.T_base_imu.translation, Eigen::Vector3d(0.3, 0.1, 0.2));
+  EXPECT_EQ(told.T_base_imu.rotation.coeffs(), Eigen::Vector4d(0, 0, 0.6, 0.8));
+  EXPECT_EQ(told.T_imu_lidar.translation, silent.T_imu_lidar.translation);
+  EXPECT_NE(config_hash(told), config_hash(silent));
 }
 
 TEST(Config, ARotationMustBeAUnitQuaternionAndIsNormalised) {
+  EXPECT_HAS(complaint("extrinsics: {T_base_imu: {rotation: [0, 0, 0, 0.9]}}\n"), "extrinsics/T_base_imu/rotation");
+  const LioConfig base = read_config(source_with("extrinsics: {T_base_imu: {rotation: [0.6, 0, 0, 0.8005]}}\n"));
+  EXPECT_NEAR(base.T_base_imu.rotation.norm(), 1.0, 4 * std::numeric_limits<double>::epsilon());
   EXPECT_HAS(complaint("extrinsics: {T_imu_lidar: {rotation: [0, 0, 0, 0.9]}}\n"), "norm is 0.9");
   EXPECT_HAS(complaint("extrinsics: {T_imu_lidar: {rotation: [0, 0, 0, 0]}}\n"), "extrinsics/T_imu_lidar/rotation");
   const LioConfig config = read_config(source_with("extrinsics: {T_imu_lidar: {rotation: [0.6, 0, 0, 0.8005]}}\n"));

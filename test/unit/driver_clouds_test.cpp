@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "allan_lio/ros/decode_cloud.h"
 #include "changed_bag.h"
@@ -15,34 +13,10 @@ namespace {
 
 using sensor_msgs::PointField;
 
-constexpr int kPoints = 500;
-constexpr double kSweep = 0.1;                   // [s]
-constexpr TimeNs kStamp = 1600000000'250000000;  // [ns]
-constexpr double kOtherClock = 7000.0;           // [s]
-constexpr std::uint8_t kTypes[] = {PointField::FLOAT32, PointField::FLOAT64, PointField::UINT32, kUint64Code};
-
-struct Unit {
-  const char* name;
-  double per_second;
-};
-constexpr Unit kUnits[] = {{"s", 1.0}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}};
-
-/// What the field counts from, where the stamp stands in the sweep, and what the configuration says of it.
-struct Anchor {
-  const char* name;
-  double zero;   ///< the field's value at the sweep's begin [s]
-  double begin;  ///< of the sweep less the stamp [s]
-  PointTime told;
-};
-const Anchor kAnchors[] = {
-    {"since the start, stamped there", 0.0, 0.0, PointTime::kAuto},
-    {"since the start, stamped at the end", 0.0, -kSweep, PointTime::kEnd},
-    {"before the end, stamped there", -kSweep, -kSweep, PointTime::kAuto},
-    {"of the clock, stamped at the start", 1e-9 * kStamp, 0.0, PointTime::kAuto},
-    {"of the clock, stamped at the end", 1e-9 * kStamp - kSweep, -kSweep, PointTime::kAuto},
-    {"of another clock, stamped at the start", kOtherClock, 0.0, PointTime::kStart},
-    {"of another clock, stamped at the end", kOtherClock, -kSweep, PointTime::kEnd},
-};
+constexpr std::size_t kPoints = 500;
+constexpr double kSweep = kFixtureSweep;
+constexpr TimeNs kStamp = kFixtureStamp;
+constexpr double kOtherClock = 7000.0;  // [s]
 
 LioConfig::Lidar options(PointTime told = PointTime::kAuto) {
   LioConfig::Lidar lidar{};
@@ -55,35 +29,7 @@ LioConfig::Lidar options(PointTime told = PointTime::kAuto) {
   return lidar;
 }
 
-double fraction(int point) { return static_cast<double>(point) / (kPoints - 1); }
-
-std::vector<FixturePoint> points(double zero, double per_second) {
-  std::vector<FixturePoint> all;
-  for (int i = 0; i < kPoints; ++i)
-    all.push_back({2.0F + 0.01F * static_cast<float>(i), -1.0F, 0.25F, static_cast<float>(i % 200),
-                   (zero + kSweep * fraction(i)) * per_second});
-  return all;
-}
-
-bool is_integer(std::uint8_t type) { return type == PointField::UINT32 || type == kUint64Code; }
-
-/// The step in which a field of this type counts times as large as these [s].
-double step(std::uint8_t type, const Unit& unit, double largest) {
-  const double fine =
-      type == PointField::FLOAT32 ? std::numeric_limits<float>::epsilon() : std::numeric_limits<double>::epsilon();
-  // Integers too come to the fixture, and from the reader, as doubles.
-  return std::max(is_integer(type) ? 1.0 / unit.per_second : 0.0, largest * fine);
-}
-
-/// Whether the type holds these times at all, and finely enough for a sweep.
-bool holds(std::uint8_t type, const Unit& unit, const Anchor& anchor) {
-  if (is_integer(type) && anchor.zero < 0.0) return false;
-  const double largest = std::abs(anchor.zero) + kSweep;
-  // Where the zero is unknown anyway, a count that wraps does as well.
-  if (anchor.told == PointTime::kAuto && type == PointField::UINT32 && largest * unit.per_second > 4294967295.0)
-    return false;
-  return step(type, unit, largest) < 0.01 * kSweep + 1e-12;
-}
+std::vector<FixturePoint> points(double zero, double per_second) { return sweep_points(kPoints, zero, per_second); }
 
 using Case = std::tuple<FixtureLayout, std::uint8_t>;
 class DriverClouds : public testing::TestWithParam<Case> {};
@@ -91,13 +37,13 @@ class DriverClouds : public testing::TestWithParam<Case> {};
 TEST_P(DriverClouds, AreReadInEveryUnitAndAnchorThatTheirTypeHoldsAndRefusedOtherwise) {
   const auto& [layout, type] = GetParam();
   int read = 0, refused = 0;
-  for (const Unit& unit : kUnits) {
-    for (const Anchor& anchor : kAnchors) {
+  for (const FixtureUnit& unit : fixture_units()) {
+    for (const FixtureAnchor& anchor : fixture_anchors()) {
       SCOPED_TRACE(std::string(unit.name) + " " + anchor.name);
+      const double zero = anchor.zero(kStamp);
       CloudDecoder decoder(options(anchor.told));
-      const DecodedCloud decoded =
-          decoder.decode(make_cloud(layout, type, kStamp, points(anchor.zero, unit.per_second)));
-      if (!holds(type, unit, anchor)) {
+      const DecodedCloud decoded = decoder.decode(make_cloud(layout, type, kStamp, points(zero, unit.per_second)));
+      if (!holds(type, unit, anchor, kStamp)) {
         ++refused;
         EXPECT_FALSE(decoded.scan);
         EXPECT_NE(decoded.error.find("'" + layout.time_field + "'"), std::string::npos) << decoded.error;
@@ -106,11 +52,11 @@ TEST_P(DriverClouds, AreReadInEveryUnitAndAnchorThatTheirTypeHoldsAndRefusedOthe
       }
       ++read;
       ASSERT_TRUE(decoded.scan) << decoded.error;
-      ASSERT_EQ(decoded.scan->points.size(), std::size_t{kPoints});
-      const double tolerance = 1.0 + 1e9 * step(type, unit, std::abs(anchor.zero) + kSweep);  // [ns]
-      for (int i = 0; i < kPoints; ++i)
-        ASSERT_NEAR(decoded.scan->points[static_cast<std::size_t>(i)].offset_ns,
-                    1e9 * (anchor.begin + kSweep * fraction(i)), tolerance);
+      ASSERT_EQ(decoded.scan->points.size(), kPoints);
+      const double tolerance = 1.0 + 1e9 * time_step(type, unit, std::abs(zero) + kSweep);  // [ns]
+      for (std::size_t i = 0; i < kPoints; ++i)
+        ASSERT_NEAR(decoded.scan->points[i].offset_ns, 1e9 * (anchor.begin + kSweep * sweep_part(i, kPoints)),
+                    tolerance);
       EXPECT_EQ(decoded.scan->stamp, kStamp);
     }
   }
@@ -119,7 +65,7 @@ TEST_P(DriverClouds, AreReadInEveryUnitAndAnchorThatTheirTypeHoldsAndRefusedOthe
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, DriverClouds,
-                         testing::Combine(testing::ValuesIn(driver_layouts()), testing::ValuesIn(kTypes)),
+                         testing::Combine(testing::ValuesIn(driver_layouts()), testing::ValuesIn(fixture_time_types())),
                          [](const testing::TestParamInfo<Case>& info) {
                            return std::get<0>(info.param).driver + "_type" + std::to_string(std::get<1>(info.param));
                          });

@@ -79,8 +79,8 @@ TEST(Health, weak_axes_delay_slowness_and_losses_are_said_together) {
   facts.newly_lost = 3;
   facts.lost_because = "imu: gaps";
   const Health health = run.judge(facts);
-  for (const char* words :
-       {"1 of 6 directions", "0.8 s behind", "150 ms of CPU per scan, one every 100 ms", "3 lost: imu: gaps"})
+  for (const char* words : {"1 of 6 directions", "0.8 s behind",
+                            "150 ms of CPU per scan, one every 100 ms (lidar/max_registered", "3 lost: imu: gaps"})
     expect(health, HealthLevel::kWarn, words);
 }
 
@@ -94,6 +94,12 @@ TEST(Health, losses_are_listed_by_reason_and_only_those_that_came_up) {
   EXPECT_EQ(losses[0].reason, "clouds: undecodable");
   EXPECT_EQ(losses[1].reason, "scans: too_few_matches");
   EXPECT_EQ(losses[2].count, 7U);
+}
+
+TEST(Health, results_that_do_not_reach_the_disk_are_a_warning) {
+  HealthFacts facts;
+  facts.output_trouble = "trajectory.tum: could not be written";
+  expect(Watched(50).judge(facts), HealthLevel::kWarn, facts.output_trouble);
 }
 
 }  // namespace

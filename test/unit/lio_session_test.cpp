@@ -3,11 +3,17 @@
 #include "allan_lio/ros/lio_session.h"
 
 #include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
 
 #include <cstring>
+#include <filesystem>
+#include <stdexcept>
 
+#include "allan_lio/io/config_source.h"
+#include "allan_lio/io/live_parameters.h"
 #include "allan_lio/ros/conversions.h"
 #include "simulated_drive.h"
+#include "temporary_directory.h"
 
 namespace allan_lio {
 namespace {
@@ -98,6 +104,66 @@ TEST(LioSession, a_few_stray_old_samples_are_dropped_and_nothing_else) {
   EXPECT_EQ(run.session.restarted(), "");
   EXPECT_GE(run.results.size() + 1, before + kScans);
   EXPECT_EQ(run.session.odometry().counters().imu_dropped_order, 5U);
+}
+
+TEST(LioSession, an_absurd_reading_in_the_first_second_does_not_hide_that_the_imu_reads_in_g) {
+  constexpr int kGlitch = 30;
+  RecordedRun run;
+  for (int i = 0, k = 0; i < kScans; ++i) {
+    const TimeNs stamp = kStart + i * kScanStep;
+    for (TimeNs t = stamp; t < stamp + kScanStep; t += kImuStep, ++k) {
+      sensor_msgs::Imu message = at_rest(t);
+      message.linear_acceleration.z = k == kGlitch ? 450.0 : 1.0;
+      run.session.add(message);
+    }
+    EXPECT_EQ(run.session.add(room(stamp)), "");
+  }
+  run.session.end_of_data();
+  EXPECT_EQ(run.session.odometry().accel_scale(), kGravity);
+  EXPECT_EQ(run.session.odometry().counters().imu_dropped_invalid, 1U);
+  ASSERT_FALSE(run.session.remarks().empty());
+  EXPECT_NE(run.session.remarks().back().find("reads in g"), std::string::npos) << run.session.remarks().back();
+}
+
+TEST(LioSession, the_summary_holds_the_parameters_in_force_at_the_end_and_those_at_the_start) {
+  TemporaryDirectory directory;
+  LioSession session(config(), directory.file("out"), {});
+  session.reconfigure(change_live(session.odometry().config(), "imu/k_gb", {{"25"}, false, "a test"}));
+  session.finish("complete");
+  const YAML::Node summary = YAML::LoadFile(directory.file("out/summary.yaml"));
+  EXPECT_EQ(summary["parameters_hash"].as<std::string>(), session.config_hash()) << "as in ~state";
+  EXPECT_EQ(summary["parameters"]["imu"]["k_gb"].as<double>(), 25.0);
+  EXPECT_EQ(summary["parameters_hash_at_start"].as<std::string>(), config_hash(config()));
+  EXPECT_EQ(summary["parameters_at_start"]["imu"]["k_gb"].as<double>(), 1.0);
+}
+
+TEST(LioSession, a_disk_that_is_full_is_known_at_once_and_the_odometry_goes_on) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  TemporaryDirectory directory;
+  std::filesystem::create_directory(directory.file("out"));
+  std::filesystem::create_symlink("/dev/full", directory.file("out/trajectory.tum"));
+  std::size_t results = 0, results_without_trouble = 0;
+  const std::string said = directory.file("out/trajectory.tum") + ": could not be written";
+  LioSession session(config(), directory.file("out"), [&](const LioResult&) {
+    ++results;
+    if (session.output_trouble().empty()) ++results_without_trouble;
+  });
+  EXPECT_EQ(session.output_trouble(), "");
+  for (int i = 0; i < kScans; ++i) {
+    const TimeNs stamp = kStart + i * kScanStep;
+    for (TimeNs t = stamp; t < stamp + kScanStep; t += kImuStep) session.add(at_rest(t));
+    session.add(room(stamp));
+  }
+  session.end_of_data();
+  EXPECT_EQ(results_without_trouble, 0U);
+  EXPECT_GE(results + kLostAtTheStart, std::size_t{kScans});
+  EXPECT_EQ(session.output_trouble().find(said), 0U) << session.output_trouble();
+  try {
+    session.finish("interrupted");
+    FAIL() << "the lost trajectory is not said at the end";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()).find(said), 0U) << error.what();
+  }
 }
 
 }  // namespace

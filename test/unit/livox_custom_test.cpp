@@ -79,9 +79,15 @@ TEST(LivoxCustom, AFastSweepNeedsNoGuessOfItsUnit) {
 }
 
 TEST(LivoxCustom, TheHeaderIsRead) {
-  const std::vector<std::uint8_t> bytes = message();
+  std::vector<std::uint8_t> bytes = message();
   EXPECT_EQ(frame_of(raw(bytes)), "livox_");
   EXPECT_EQ(stamp_of(raw(bytes)), kStamp);
+  const std::uint32_t number = 4'000'000'000;
+  std::memcpy(bytes.data(), &number, sizeof number);
+  EXPECT_EQ(number_of(raw(bytes)), number);
+  RawCloud cut = raw(bytes);
+  cut.size = sizeof number - 1;
+  EXPECT_FALSE(number_of(cut));
   std::string error;
   const auto read = read_livox_custom(bytes.data(), bytes.size(), error);
   ASSERT_TRUE(read) << error;

@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <ctime>
+
+#include "simulated_drive.h"
 
 namespace allan_lio {
 namespace {
@@ -44,18 +47,63 @@ TEST(ParamSource, lists_stay_lists) {
   EXPECT_EQ(entry.items, (std::vector<std::string>{"1", "0.5", "-2"}));
 }
 
-TEST(ParamSource, what_has_no_text_is_refused_by_name) {
-  XmlRpcValue tree;
-  XmlRpcValue& list = tree["imu"]["k_g"];
+XmlRpcValue list_of_a_list() {
+  XmlRpcValue list;
   list.setSize(1);
   list[0].setSize(1);
   list[0][0] = 1;
+  return list;
+}
+
+XmlRpcValue date() {
+  std::tm day{};
+  day.tm_year = 126;
+  day.tm_mday = 1;
+  return XmlRpcValue(&day);
+}
+
+/// What reading the tree as a configuration complains of.
+std::string complaint(const XmlRpcValue& tree) {
   try {
-    flatten_parameters(tree, "/n");
-    FAIL() << "no exception";
+    read_config(merge(to_source(simulated_robot()), flatten_parameters(tree, "/n")));
   } catch (const ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("/n/imu/k_g"), std::string::npos) << error.what();
+    return error.what();
   }
+  return "";
+}
+
+TEST(ParamSource, what_has_no_text_is_refused_by_name_and_leaves_the_others_alone) {
+  for (const XmlRpcValue& senseless : {list_of_a_list(), date()}) {
+    XmlRpcValue tree;
+    tree["imu"]["k_g"] = senseless;
+    tree["imu"]["k_gb"] = 2;
+    tree["topics"]["imu"] = senseless;  // where any text will do
+    const ConfigSource source = flatten_parameters(tree, "/n");
+    EXPECT_NE(source.at("imu/k_g").senseless, "");
+    EXPECT_NE(source.at("topics/imu").senseless, "");
+    EXPECT_EQ(source.at("imu/k_gb").senseless, "");
+    EXPECT_EQ(source.at("imu/k_gb").items, std::vector<std::string>{"2"});
+    EXPECT_NE(complaint(tree).find("/n/imu/k_g"), std::string::npos) << complaint(tree);
+    XmlRpcValue topic;
+    topic["topics"]["imu"] = senseless;
+    EXPECT_NE(complaint(topic).find("/n/topics/imu"), std::string::npos) << complaint(topic);
+  }
+}
+
+XmlRpcValue empty_tree() {
+  int offset = 0;
+  return XmlRpcValue("<value><struct></struct></value>", &offset);
+}
+
+TEST(ParamSource, an_empty_tree_is_no_value_of_a_parameter_and_a_group_may_be_one) {
+  XmlRpcValue tree;
+  tree["imu"]["k_gb"] = empty_tree();
+  EXPECT_NE(complaint(tree).find("imu/k_gb"), std::string::npos) << complaint(tree);
+  EXPECT_NE(complaint(tree).find("has no value"), std::string::npos) << complaint(tree);
+  XmlRpcValue group;
+  group["imu"] = empty_tree();
+  EXPECT_EQ(complaint(group), "");
+  EXPECT_TRUE(flatten_parameters(empty_tree(), "/n").empty());
 }
 
 }  // namespace

@@ -126,6 +126,7 @@ TEST_F(RunWriterTest, TheSummaryIsYamlThatHoldsTheWholeStory) {
   summary.counters.scans_before_imu = 3;
   summary.counters.scans_too_few_points = 7;
   summary.counters.imu_read = 2000;
+  summary.counters.points_over_budget = 12345;
   summary.map_megabytes = 12.5;
   summary.map_voxels = 4321;
   summary.notes = {"point time: \"t\" [ns], from the start", "a: b # c\nsecond line\t\\"};
@@ -141,6 +142,7 @@ TEST_F(RunWriterTest, TheSummaryIsYamlThatHoldsTheWholeStory) {
   EXPECT_EQ(yaml["scans"]["skipped"].as<int>(), 10);
   EXPECT_EQ(yaml["scans"]["skipped_because"]["too_few_points"].as<int>(), 7);
   EXPECT_EQ(yaml["imu"]["samples"].as<int>(), 2000);
+  EXPECT_EQ(yaml["points"]["over_budget"].as<int>(), 12345);
   EXPECT_NEAR(yaml["time_per_scan_ms"]["mean"].as<double>(), 50.5, 1e-3);
   EXPECT_NEAR(yaml["time_per_scan_ms"]["p50"].as<double>(), 50.0, 1e-3);
   EXPECT_NEAR(yaml["time_per_scan_ms"]["p95"].as<double>(), 95.0, 1e-3);
@@ -210,6 +212,44 @@ TEST_F(RunWriterTest, AFullDiskIsAnErrorThatNamesTheFileAndIsInTheSummary) {
   const YAML::Node yaml = YAML::LoadFile(directory_ + "/summary.yaml");
   EXPECT_NE(yaml["status"].as<std::string>().find("incomplete"), std::string::npos);
   EXPECT_EQ(lines_of(directory_ + "/states.csv").size(), 26u) << "what could be kept is kept";
+}
+
+TEST_F(RunWriterTest, AFullDiskIsKnownWhileTheRunGoesOn) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  std::filesystem::create_directories(directory_);
+  std::filesystem::create_symlink("/dev/full", directory_ + "/trajectory.tum");
+  {
+    RunWriter writer(directory_, config_);
+    EXPECT_EQ(writer.trouble(), "");
+    writer.add(result(0), 0.004);
+    const std::string said = writer.trouble();
+    EXPECT_EQ(said.find(directory_ + "/trajectory.tum: could not be written"), 0u) << said;
+    for (int i = 1; i < 25; ++i) writer.add(result(i), 0.004);
+    EXPECT_EQ(writer.trouble(), said);
+  }
+  EXPECT_EQ(lines_of(directory_ + "/states.csv").size(), 26u) << "the other file goes on";
+  const std::string status = YAML::LoadFile(directory_ + "/summary.yaml")["status"].as<std::string>();
+  EXPECT_EQ(status.find("incomplete: " + directory_ + "/trajectory.tum"), 0u) << status;
+}
+
+TEST_F(RunWriterTest, TheParametersAreThoseInForceAtTheEndAndThoseAtTheStartWhereTheyDiffer) {
+  LioConfig changed = config_;
+  changed.imu.scale.k_gb = 25.0;
+  for (const LioConfig& last : {changed, config_}) {
+    RunWriter writer(directory_, config_);
+    writer.reconfigure(changed);
+    writer.reconfigure(last);
+    writer.finish(RunSummary{});
+    const YAML::Node yaml = YAML::LoadFile(directory_ + "/summary.yaml");
+    EXPECT_EQ(yaml["parameters_hash"].as<std::string>(), config_hash(last));
+    EXPECT_EQ(yaml["parameters"]["imu"]["k_gb"].as<double>(), last.imu.scale.k_gb);
+    const bool differ = last.imu.scale.k_gb != config_.imu.scale.k_gb;
+    EXPECT_EQ(yaml["parameters_at_start"].IsDefined(), differ);
+    EXPECT_EQ(yaml["parameters_hash_at_start"].IsDefined(), differ);
+    if (!differ) continue;
+    EXPECT_EQ(yaml["parameters_hash_at_start"].as<std::string>(), config_hash(config_));
+    EXPECT_EQ(yaml["parameters_at_start"]["imu"]["k_gb"].as<double>(), config_.imu.scale.k_gb);
+  }
 }
 
 }  // namespace

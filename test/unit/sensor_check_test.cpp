@@ -111,6 +111,19 @@ TEST(ImuCheck, ReadingsInGAreTold) {
   EXPECT_NEAR(report.gravity, 9.8, 0.01);
 }
 
+TEST(ImuCheck, OfReadingsInGFiftyAreTheLimitToo) {
+  std::vector<ImuSample> samples = record(3.0, 10.0);
+  for (ImuSample& s : samples) s.accel /= 9.80665;
+  samples[1500].accel = {49, 0, 0};
+  samples[1600].accel = {51, 0, 0};
+  samples[1700].accel = {450, 0, 0};
+  samples[1800].accel = {491, 0, 0};
+  const ImuReport report = check_imu(samples);
+  EXPECT_TRUE(report.in_g);
+  EXPECT_EQ(report.invalid, 3U);
+  EXPECT_DOUBLE_EQ(report.largest_accel, 49 * 9.80665);
+}
+
 TEST(ImuCheck, AMovingStartHasNoStandstill) { EXPECT_EQ(check_imu(record(0.0, 10.0)).standstill, 0.0); }
 
 TEST(ImuCheck, APlateauAtTheLargestReadingIsSaturationAndOneLargeReadingIsNot) {

@@ -120,6 +120,36 @@ TEST(StatePropagator, an_absurd_reading_and_a_stamp_from_the_future_change_nothi
   expect_same(clean, fed);
 }
 
+/// `sample` with a reading of so many g along x, by a sensor of that unit [m/s^2].
+ImuSample pushed(ImuSample sample, double g, double unit) {
+  sample.accel = Eigen::Vector3d(g * kGravity / unit, 0, 0);
+  return sample;
+}
+
+TEST(StatePropagator, fifty_g_are_the_limit_in_either_unit) {
+  for (const double unit : {1.0, kGravity}) {
+    StatePropagator propagator({Discretization::kTrapezoid, {}});
+    propagator.add(pushed(sample_at(0), 1, unit));
+    propagator.restart(state_at(kStart), kStartCovariance, some_noise(), unit);
+    EXPECT_FALSE(propagator.add(pushed(sample_at(1), 51, unit))) << unit;
+    EXPECT_TRUE(propagator.add(pushed(sample_at(1), 49, unit))) << unit;
+  }
+}
+
+TEST(StatePropagator, a_reading_that_came_before_the_unit_was_known_is_judged_by_it) {
+  StatePropagator clean({Discretization::kTrapezoid, {}}), fed({Discretization::kTrapezoid, {}});
+  for (int i = 0; i < 10; ++i) {
+    clean.add(pushed(sample_at(i), 1, kGravity));
+    fed.add(pushed(sample_at(i), 1, kGravity));
+    ImuSample between = sample_at(i);
+    between.stamp += kStep / 2;
+    if (i == 5) fed.add(pushed(between, 51, kGravity));
+  }
+  clean.restart(state_at(kStart), kStartCovariance, some_noise(), kGravity);
+  fed.restart(state_at(kStart), kStartCovariance, some_noise(), kGravity);
+  expect_same(clean, fed);
+}
+
 TEST(StatePropagator, a_gap_and_a_saturated_reading_widen_the_covariance_as_the_filters) {
   constexpr int kGapSamples = 100;  // 0.5 s
   const StatePropagator::Options options{Discretization::kTrapezoid, {0.35, 100.0}};

@@ -130,5 +130,17 @@ TEST(StaticInit, TellsGFromMetresPerSecondSquared) {
   EXPECT_EQ(detect_accel_scale(record, kG), kG);
 }
 
+TEST(StaticInit, AnAbsurdReadingDoesNotHideTheUnit) {
+  std::mt19937 random(5);
+  const Truth truth{Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  auto record = standstill(truth, 0.5, 100, random);
+  for (ImuSample& sample : record) sample.accel /= kG;
+  record[20].accel.z() = 450.0;
+  EXPECT_EQ(detect_accel_scale(record, kG), kG);
+  for (ImuSample& sample : record) sample.accel *= kG;
+  record[20].accel.setZero();
+  EXPECT_EQ(detect_accel_scale(record, kG), 1.0);
+}
+
 }  // namespace
 }  // namespace allan_lio

@@ -18,6 +18,7 @@ constexpr TimeNs kStart = 1600000000 * kNsPerSecond;
 constexpr TimeNs kImuStep = 5'000'000;     // [ns]
 constexpr TimeNs kScanStep = 100'000'000;  // [ns]
 constexpr double kDelay = 0.0625;          // [s]
+const LostOnTheWay kLost{8, 9};
 
 LioConfig configuration() {
   LioConfig config = simulated_robot();
@@ -106,7 +107,7 @@ class StatusMessage : public ::testing::Test {
  protected:
   LossySession lossy_;
   HealthWindow window_ = window();
-  StatusPtr message_ = to_status_message(result(), lossy_.session, window_, kDelay);
+  StatusPtr message_ = to_status_message(result(), lossy_.session, window_, kLost, kDelay);
 };
 
 TEST_F(StatusMessage, HoldsWhatBecameOfTheScan) {
@@ -165,7 +166,9 @@ TEST_F(StatusMessage, HoldsEveryLossByItsReason) {
   EXPECT_EQ(dropped["scans: not_newer_than_the_last"], 1U);
   EXPECT_EQ(dropped["imu: dropped_not_newer"], 4U);
   EXPECT_EQ(dropped["imu: dropped_invalid"], 3U);
-  EXPECT_EQ(dropped.size(), count_losses(lossy_.session.odometry().counters(), 6).size());
+  EXPECT_EQ(dropped["imu: lost_before_arrival"], 8U);
+  EXPECT_EQ(dropped["scans: lost_before_arrival"], 9U);
+  EXPECT_EQ(dropped.size(), count_losses(lossy_.session.odometry().counters(), 6, kLost).size());
 }
 
 TEST_F(StatusMessage, HoldsTheMultipliersInForceAndTheConfigurationsHash) {

@@ -70,6 +70,25 @@ TEST(Synchronizer, OldRepeatedAndSenselessDataIsDroppedAndCounted) {
   EXPECT_EQ(counters.scans_dropped_order, 2u);
 }
 
+TEST(Synchronizer, WhatIsAbsurdInTheUnitThatIsLearntLaterIsDroppedAndCountedThen) {
+  const auto in_g = [](TimeNs ms, double g) { return ImuSample{ms * kMs, {0, 0, 0}, {0, 0, g}}; };
+  LioCounters counters;
+  Synchronizer sync(counters);
+  for (const ImuSample& sample : {in_g(0, 450), in_g(10, 1), in_g(20, -51), in_g(30, 49)}) sync.add_imu(sample);
+  sync.add_scan(scan(5, 10));
+  EXPECT_EQ(counters.imu_dropped_invalid, 0u);
+  EXPECT_NE(sync.front(), nullptr);
+  EXPECT_EQ(sync.set_accel_scale(9.80665), 2u);
+  EXPECT_EQ(counters.imu_dropped_invalid, 2u);
+  EXPECT_EQ(sync.imu().oldest(), 10 * kMs);
+  EXPECT_EQ(sync.imu().size(), 2u);
+  EXPECT_EQ(sync.front(), nullptr) << "the first reading that counts is later than the scan's begin";
+  EXPECT_EQ(counters.scans_before_imu, 1u);
+  sync.add_imu(in_g(40, 51));
+  EXPECT_EQ(counters.imu_dropped_invalid, 3u);
+  EXPECT_EQ(sync.set_accel_scale(9.80665), 0u);
+}
+
 TEST(Synchronizer, OneStampFarAheadIsDroppedAndARealGapIsNot) {
   LioCounters counters;
   Synchronizer sync(counters);

@@ -17,6 +17,22 @@ constexpr uid_t kNobody = 65534;
 
 int policy() { return sched_getscheduler(0) & ~SCHED_RESET_ON_FORK; }
 
+TEST(SpinBrake, ALoopThatSpinsIsToldAfterAFewTurnsAndAgain) {
+  SpinBrake brake;
+  std::int64_t now = 7'000'000'000;
+  for (int series = 0; series < 3; ++series) {
+    for (int turn = series == 0 ? 0 : 1; turn < SpinBrake::kTurns; ++turn) EXPECT_FALSE(brake.spins(now += 1000));
+    EXPECT_TRUE(brake.spins(now += 1000));
+  }
+}
+
+TEST(SpinBrake, ALoopThatWaitsForWorkIsNot) {
+  SpinBrake brake;
+  std::int64_t now = 0;
+  const std::int64_t step = SpinBrake::kTooShort / SpinBrake::kTurns;
+  for (int turn = 0; turn < 10 * SpinBrake::kTurns; ++turn) EXPECT_FALSE(brake.spins(now += step)) << turn;
+}
+
 TEST(ThreadPriority, IsRealTimeUntilItIsTakenBack) {
   std::thread([] {
     const std::string hindered = set_thread_priority(0, 3);

@@ -39,6 +39,7 @@ struct SensorCheck {
     double points = 0.0;  ///< valid ones of a scan, median
     double sweep = 0.0;   ///< from the first to the last point, median [s]
     std::vector<std::string> remarks;
+    PointTime turn = PointTime::kAuto;  ///< without deskew: the azimuth's way in whose order the points come, if any
   };
 
   std::vector<std::string> files;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <deque>
 #include <vector>
@@ -47,6 +48,14 @@ class ImuBuffer {
 
   /// Forgets what no interval that begins at or after `t` needs.
   void discard_before(TimeNs t);
+
+  /// Takes out the samples of which `is_bad` is true; how many there were.
+  template <class Predicate>
+  std::size_t remove_if(Predicate is_bad) {
+    const std::size_t before = samples_.size();
+    samples_.erase(std::remove_if(samples_.begin(), samples_.end(), is_bad), samples_.end());
+    return before - samples_.size();
+  }
 
   void clear() { samples_.clear(); }
 

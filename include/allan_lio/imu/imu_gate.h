@@ -8,6 +8,10 @@
 
 namespace allan_lio {
 
+/// True for what an IMU can have measured: finite, not longer than 50 g and 100 rad/s. `accel_scale`: factor from the
+/// readings to m/s^2.
+bool is_sane(const ImuSample& sample, double accel_scale);
+
 /// Keeps from an estimator what no IMU measures: readings that are not finite or absurd, and a stamp far ahead of its
 /// time, which would make all that follow old.
 class ImuGate {
@@ -25,10 +29,18 @@ class ImuGate {
   /// `sample` as the sensor gives it. One that is far ahead is kept back until the next tells a gap from a wrong stamp.
   Passed pass(const ImuSample& sample);
 
+  /// Factor from the accelerometer's readings to m/s^2. It is 1 until it is set: so nothing is dropped that is right
+  /// in either unit, and of a sensor in g what is less than 9.8 times too long passes. Whoever learns the unit later
+  /// goes over what has passed by is_sane(). True if the sample that is kept back is absurd by the new factor: then it
+  /// is dropped.
+  bool set_accel_scale(double scale);
+  double accel_scale() const { return accel_scale_; }
+
   /// At the end of the data: the sample that is still kept back.
   std::optional<ImuSample> release();
 
  private:
+  double accel_scale_ = 1.0;
   std::optional<ImuSample> suspect_;
   std::optional<TimeNs> newest_;
 };

@@ -28,7 +28,7 @@ class StatePropagator {
   explicit StatePropagator(const Options& options) : options_(options) {}
 
   /// Starts again from a corrected state, and goes over the samples that came after it. `accel_scale`: factor from
-  /// the readings to m/s^2.
+  /// the readings to m/s^2; what is absurd by it is dropped, of the samples that came before too.
   void restart(const NavState& state, const NavMatrix& covariance, const ImuNoise& noise, double accel_scale);
 
   /// Other limits than those of the options, for the readings that come after the next restart(); what it goes over

@@ -36,7 +36,8 @@ bool is_still(const std::vector<ImuSample>& record, const NoiseSpec& spec, const
 InitialState initialize(const std::vector<ImuSample>& record, bool still, const NoiseSpec& spec, const ImuNoise& noise,
                         const InitOptions& options);
 
-/// Factor from the accelerometer's readings to m/s^2, told by their mean length: 1, or `gravity` for readings in g.
+/// Factor from the accelerometer's readings to m/s^2, told by the median of their lengths, which a few absurd ones do
+/// not move: 1, or `gravity` for readings in g. The record must not be empty.
 double detect_accel_scale(const std::vector<ImuSample>& record, double gravity);
 
 }  // namespace allan_lio

@@ -21,15 +21,16 @@ class ConfigError : public std::runtime_error {
 struct ConfigEntry {
   std::vector<std::string> items;  ///< exactly one unless it is a list; none: the key stands there without a value
   bool is_list = false;
-  std::string origin;  ///< "lio.yaml:12", "rosparam /lio/imu/k_gb", "--param"
+  std::string origin;          ///< "lio.yaml:12", "rosparam /lio/imu/k_gb", "--param"
+  std::string senseless = {};  ///< why what stands there can be no value of any parameter; empty if it can
 };
 
 /// Flat view of a configuration: "imu/noise/gyro_white_noise/value" and so on, whatever it was read from.
 using ConfigSource = std::map<std::string, ConfigEntry>;
 
 /// Reads and checks every declared parameter. Throws ConfigError for an unknown key (naming the nearest known
-/// one), a missing quantity, a value that is not of its type, NaN, inf or out of range, an unknown unit, and for
-/// what check_config() refuses. A rotation that is unit to 1e-3 is normalised.
+/// one), a missing quantity, a value that is not of its type, NaN, inf or out of range, an unknown unit, for a
+/// senseless entry, and for what check_config() refuses. A rotation that is unit to 1e-3 is normalised.
 LioConfig read_config(const ConfigSource& source);
 
 /// The defaults with an IMU noise of one's own, which has none.

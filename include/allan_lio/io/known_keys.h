@@ -11,4 +11,7 @@ namespace allan_lio {
 /// unit is needed.
 void refuse_unknown_keys(const ConfigSource& source);
 
+/// True for a group without a value of its own, as "imu" in {imu: {}}: it says nothing.
+bool is_empty_group(const std::string& key, const ConfigEntry& entry);
+
 }  // namespace allan_lio

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,15 @@ namespace allan_lio {
 
 /// The parameters that may be changed while the filter runs, with their values in `config`.
 std::vector<ParameterEntry> live_parameters(const LioConfig& config);
+
+/// to_source() without them.
+ConfigSource fixed_parameters(const LioConfig& config);
+
+/// The parameter that `key` is, or lies below ("imu/noise/gyro_white_noise" of its "/unit"); nothing if there is none.
+std::optional<ParameterEntry> parameter_at(const LioConfig& config, const std::string& key);
+
+/// "imu/k_gb stays 25": what is in force when a change of `key` is refused.
+std::string what_stays(const LioConfig& in_force, const std::string& key);
 
 /// `in_force` with one live parameter changed. Throws ConfigError for a key that is unknown or not live, and for a
 /// value that read_config() refuses.

@@ -29,26 +29,36 @@ class RunWriter {
   /// its summary.yaml. Throws std::runtime_error naming the path if it cannot.
   RunWriter(const std::string& directory, const LioConfig& config);
 
-  /// Writes summary.yaml with status "interrupted" if finish() was never called. Never throws.
+  /// Writes summary.yaml with status "interrupted" ("incomplete: ..." if rows are lost) if finish() was never called.
+  /// Never throws.
   ~RunWriter();
 
   RunWriter(const RunWriter&) = delete;
   RunWriter& operator=(const RunWriter&) = delete;
 
-  /// One row each, flushed at least every second of data. `cpu_seconds`: what the scan took [s].
+  /// One row each, flushed at least every second of data. `cpu_seconds`: what the scan took [s]. Never throws for a
+  /// file that cannot be written: trouble() says it, and the other file goes on.
   void add(const LioResult& result, double cpu_seconds);
+
+  /// The parameters in force from now on. The summary has those at the end, and those at the start where they differ.
+  void reconfigure(const LioConfig& config) { in_force_ = config; }
+
+  /// Why rows are lost, known at the latest a second of data after; empty as long as all are written.
+  const std::string& trouble() const { return trouble_; }
 
   /// Closes both files and writes summary.yaml. Throws std::runtime_error naming the file if any write failed.
   void finish(const RunSummary& summary);
 
  private:
+  void flush();
   void write_summary(const RunSummary& summary) const;
 
   std::string directory_;
-  LioConfig config_;
+  LioConfig at_start_, in_force_;
   std::ofstream trajectory_, states_;
   TimeStatistics scan_seconds_;  ///< CPU time of the scans so far [s]
   TimeNs last_flush_ = 0;
+  std::string trouble_;
   bool finished_ = false;
 };
 

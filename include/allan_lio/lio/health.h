@@ -17,12 +17,18 @@ struct NisWindow {
   double mean = 0.0, low = 0.0, high = 0.0;
 };
 
+/// Messages that were sent and did not arrive; of a recording that is read offline none.
+struct LostOnTheWay {
+  std::uint64_t imu = 0, scans = 0;
+};
+
 /// What is dropped or doubtful, by reason, in the words of summary.yaml; reasons that never came up are left out.
 struct LossCount {
   std::string reason;
   std::uint64_t count;
 };
-std::vector<LossCount> count_losses(const LioCounters& counters, std::uint64_t undecodable);
+std::vector<LossCount> count_losses(const LioCounters& counters, std::uint64_t undecodable,
+                                    const LostOnTheWay& lost = {});
 
 /// How the filter does: follows its results scan by scan.
 class HealthWindow {
@@ -64,6 +70,7 @@ struct HealthFacts {
   double delay = 0.0;            ///< from a scan's end to its result [s]
   std::uint64_t newly_lost = 0;  ///< since the last judgement
   std::string lost_because;      ///< the reasons of those
+  std::string output_trouble;    ///< why results don't reach the disk, empty if they do
 };
 
 /// The health of a filter that gave `last` as its last result.

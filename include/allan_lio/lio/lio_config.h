@@ -51,9 +51,11 @@ struct LioConfig {
     double beam_divergence;  ///< full angle [rad]
     double leaf;             ///< width of the registration's downsampling cells [m]
     int min_points;          ///< a scan with fewer is not used
+    int max_registered;      ///< most points of a scan that are registered; 0: all
   } lidar;
 
   RigidTransform T_imu_lidar;
+  RigidTransform T_base_imu;  ///< of what is published; the files are of the IMU
   bool estimate_extrinsics;
   double extrinsic_rotation_sigma;     ///< [rad]
   double extrinsic_translation_sigma;  ///< [m]

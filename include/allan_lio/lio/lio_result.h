@@ -44,7 +44,7 @@ struct LioResult {
   LioMatrix covariance = LioMatrix::Zero();        ///< of the error state, SI units of LioIndex
   Eigen::Vector3d gyro = Eigen::Vector3d::Zero();  ///< angular rate at the scan's end, bias off [rad/s], IMU frame
   int points = 0;                                  ///< of the decoded scan
-  int registered = 0;                              ///< after downsampling
+  int registered = 0;                              ///< after downsampling, lidar/max_registered at most
   int inliers = 0;                                 ///< with a plane and inside the gate, in the last iteration
   int iterations = 0;
   double residual_rms = 0.0;  ///< of the inliers, point to plane [m]
@@ -71,6 +71,7 @@ struct LioCounters {
   std::uint64_t scans_overflow = 0;  ///< waited for IMU data that did not come
   std::uint64_t points_invalid = 0;
   std::uint64_t points_out_of_range = 0;
+  std::uint64_t points_over_budget = 0;  ///< left out of the registration for lidar/max_registered
 };
 
 }  // namespace allan_lio

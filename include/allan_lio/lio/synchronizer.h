@@ -22,6 +22,10 @@ class Synchronizer {
   void add_scan(Scan scan);
   void end_of_data();
 
+  /// Factor from the accelerometer's readings to m/s^2, by which they are judged from now on; 1 before. Those at hand
+  /// that are absurd by it are dropped and counted; gives how many of them had been let into imu().
+  std::size_t set_accel_scale(double scale);
+
   const ImuBuffer& imu() const { return imu_; }
   bool ended() const { return ended_; }
 

@@ -22,6 +22,8 @@ namespace allan_lio {
 /// Odometry at the rate of the IMU as a ROS node: what the node and the nodelet have in common. Takes the filter's
 /// `state` and the IMU's topic of the configuration, and publishes `imu_odometry` with covariances. Its callbacks run
 /// in a thread of its own with `realtime_priority`, so that a message waits neither for a scan nor for a worker.
+/// Live parameters (multipliers, ranges, the longest gap) are the filter's: what is in force of them comes with every
+/// state, so ~in_force has none of them, and one that is given to this node is warned of.
 class ImuPropagator {
  public:
   /// Throws ConfigError.
@@ -31,11 +33,13 @@ class ImuPropagator {
   ImuPropagator& operator=(const ImuPropagator&) = delete;
 
  private:
+  ImuPropagator(ros::NodeHandle handle, ros::NodeHandle private_handle, const NodeParameters& parameters);
+
   void spin();
   void on_state(const StateConstPtr& message);
   void on_imu(const sensor_msgs::ImuConstPtr& message);
 
-  LioConfig config_;
+  LioConfig config_;  ///< the multipliers in it are those of the last state
   RigidTransform T_base_imu_;
   StatePropagator propagator_;
   RecordingWatch watch_;

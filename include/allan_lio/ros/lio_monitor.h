@@ -8,10 +8,13 @@
 #include <ros/publisher.h>
 #include <ros/wall_timer.h>
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "allan_lio/lio/health.h"
 #include "allan_lio/ros/lio_session.h"
+#include "allan_lio/ros/sequence_watch.h"
 
 namespace allan_lio {
 
@@ -23,9 +26,10 @@ class LioMonitor {
   /// `session` must outlive this.
   LioMonitor(ros::NodeHandle handle, ros::NodeHandle private_handle, const LioSession& session);
 
-  void saw_imu() { last_imu_ = ros::WallTime::now(); }
-  /// `refusal`: why the cloud was not decoded, empty if it was.
-  void saw_cloud(const std::string& refusal);
+  /// `number`: of the message's header.
+  void saw_imu(std::uint32_t number);
+  /// `number`: of the message's header, if it has one. `refusal`: why the cloud was not decoded, empty if it was.
+  void saw_cloud(std::optional<std::uint32_t> number, const std::string& refusal);
   void saw_result(const LioResult& result);
 
   /// The estimator starts again.
@@ -33,14 +37,17 @@ class LioMonitor {
 
  private:
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& report);
-  /// What is wrong with the input, if anything is.
-  Health judge_input() const;
+  /// What is wrong with the input, or with the files of the results, if anything is.
+  Health judge_surroundings() const;
+  LostOnTheWay lost_on_the_way() const { return {imu_numbers_.lost(), cloud_numbers_.lost()}; }
   /// Sets what came up since the last call.
   void count_new_losses(HealthFacts& facts);
 
   const LioSession& session_;
   HealthWindow window_;
-  Status last_;  ///< as published
+  Status last_;                            ///< as published
+  std::string weak_axes_ = "no scan yet";  ///< of the last result
+  SequenceWatch imu_numbers_, cloud_numbers_;
   std::uint64_t lost_ = 0;
   std::string refusal_;
   ros::WallTime begin_ = ros::WallTime::now(), last_imu_, last_cloud_, last_result_;

@@ -29,7 +29,8 @@ class LioSession {
   /// `out`: directory of the results, empty for none. Throws std::runtime_error if it cannot be written.
   LioSession(const LioConfig& config, const std::string& out, OnResult on_result);
 
-  /// Writes what there is with status "interrupted" if finish() was not called.
+  /// Writes what there is with status "interrupted" if finish() was not called. Whoever wants to hear of a file that
+  /// could not be written calls finish().
   ~LioSession();
 
   /// When the stamps go back by more than a second and stay there (a bag in a loop, a clock set anew), the estimator
@@ -43,7 +44,8 @@ class LioSession {
   /// A message that could not even be deserialised.
   void count_undecodable(const std::string& why);
 
-  /// Takes effect with the next scan (Odometry::reconfigure()); goes into the summary's notes.
+  /// Takes effect with the next scan (Odometry::reconfigure()); goes into the summary, whose parameters are those in
+  /// force at the end, and its notes.
   void reconfigure(const LioConfig& config);
 
   /// Settles what there is and starts again with the data to come, at the origin and with a new map.
@@ -83,6 +85,9 @@ class LioSession {
   /// A sentence on the last time that the estimator started again, empty if it never did.
   const std::string& restarted() const { return restarted_; }
   std::uint64_t restarts() const { return restarts_; }
+
+  /// Why results are lost on their way to the disk (RunWriter::trouble()), empty if none are.
+  std::string output_trouble() const { return writer_ ? writer_->trouble() : ""; }
 
   /// Why no scan was used, empty if one was.
   std::string why_nothing() const;

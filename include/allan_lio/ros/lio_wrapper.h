@@ -33,6 +33,11 @@ class LioWrapper {
   /// Throws ConfigError, or std::runtime_error if ~out cannot be written.
   LioWrapper(ros::NodeHandle handle, ros::NodeHandle private_handle);
 
+  /// Completes the files of a run that was interrupted, and logs it if they could not be written.
+  ~LioWrapper();
+  LioWrapper(const LioWrapper&) = delete;
+  LioWrapper& operator=(const LioWrapper&) = delete;
+
  private:
   void on_imu(const sensor_msgs::ImuConstPtr& message);
   void on_cloud(const topic_tools::ShapeShifter::ConstPtr& message);
@@ -57,6 +62,7 @@ class LioWrapper {
   bool told_noise_ = false;
   std::size_t told_remarks_ = 0;
   std::uint64_t told_restarts_ = 0;
+  bool told_output_trouble_ = false;
   std::vector<std::uint8_t> cloud_bytes_;
   bool finished_ = false;
   std::string trouble_;  ///< why the results are not complete

@@ -35,8 +35,8 @@ class LiveTuning {
   void take(const ConfigSource& now);
   /// True if `key` has the value now, whether it had it before or not.
   bool change(const std::string& key, const ConfigEntry& entry);
-  /// Puts back what stood there, for a live parameter what is in force.
-  void set_back(const std::string& key);
+  /// Puts back what stood there `before`, for a live parameter what is in force.
+  void set_back(const std::string& key, const ConfigSource& before);
   void write(const std::string& key, const ConfigEntry& entry);
 
   ros::NodeHandle handle_;

@@ -12,8 +12,8 @@
 namespace allan_lio {
 
 /// A tree of ROS parameters as a flat configuration: {imu: {k_gb: 2}} is "imu/k_gb". Numbers keep every bit.
-/// `origin`: where the tree stands on the server, for messages. Throws ConfigError for what has no text (binary,
-/// nested lists).
+/// `origin`: where the tree stands on the server, for messages. What has no text (nested lists, a date, binary data)
+/// is a senseless entry, an empty tree an entry without a value.
 ConfigSource flatten_parameters(const XmlRpc::XmlRpcValue& tree, const std::string& origin);
 
 /// What a node of this package reads from its private parameters.
@@ -23,17 +23,16 @@ struct NodeParameters {
   ConfigSource given;  ///< all private parameters as they were read
 };
 
-/// The given private parameters, all but ~in_force and ~diagnostic_period (diagnostic_updater's own). Throws
-/// ConfigError for what has no text.
+/// The given private parameters, all but ~in_force and ~diagnostic_period (diagnostic_updater's own).
 ConfigSource given_parameters(const XmlRpc::XmlRpcValue& tree, const std::string& origin);
 
 /// Reads ~config (a name in config/ or a file) and over it all other private parameters, which have the keys of the
 /// YAML; ~out is the node's own. Throws ConfigError.
 NodeParameters read_node_parameters(const ros::NodeHandle& private_handle);
 
-/// Sets the whole configuration under ~in_force: not over the parameters themselves, or the next start would take
-/// this one's values for the user's.
-void show_in_force(const ros::NodeHandle& private_handle, const LioConfig& config);
+/// Sets these parameters, and no others, under ~in_force: not over the given ones, or the next start would take this
+/// one's values for the user's.
+void show_in_force(const ros::NodeHandle& private_handle, const ConfigSource& parameters);
 /// One parameter of it.
 void show_in_force(const ros::NodeHandle& private_handle, const std::string& key, const ConfigEntry& entry);
 

@@ -36,8 +36,8 @@ class LioPublisher {
   TimeNs map_stamp_ = 0;  ///< of the map last published
 };
 
-/// T_base_imu by the configuration: identity, or from TF if frames/extrinsics_from_tf is set, which then also sets
-/// T_imu_lidar in `config`. Waits for TF at most `patience` [s], then throws ConfigError naming the frames.
+/// T_base_imu: the configuration's, or from TF if frames/extrinsics_from_tf is set, which then also sets both
+/// extrinsics in `config`. Waits for TF at most `patience` [s], then throws ConfigError naming the frames.
 RigidTransform resolve_extrinsics(LioConfig& config, double patience);
 
 /// Variance of one gyro reading's white noise in the IMU's band: N_g^2 over the sample interval [(rad/s)^2].

@@ -30,7 +30,10 @@ const std::vector<std::string>& cloud_datatypes();
 /// Nothing for a type that is not read, or for another version of one that is; `error` says so.
 std::optional<CloudKind> cloud_kind(const RawCloud& cloud, std::string& error);
 
-/// The header's stamp, with which all these types begin; nothing if the bytes end before it.
+/// The header's number (seq), with which all these types begin; nothing if the bytes end before its end.
+std::optional<std::uint32_t> number_of(const RawCloud& cloud);
+
+/// The header's stamp; nothing if the bytes end before it.
 std::optional<TimeNs> stamp_of(const RawCloud& cloud);
 
 /// The header's frame_id; empty if the bytes end before it.

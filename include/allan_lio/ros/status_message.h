@@ -11,6 +11,6 @@ namespace allan_lio {
 
 /// The scan's ~status, but for what the judgement adds: level and message. `delay` [s].
 StatusPtr to_status_message(const LioResult& result, const LioSession& session, const HealthWindow& window,
-                            double delay);
+                            const LostOnTheWay& lost, double delay);
 
 }  // namespace allan_lio

@@ -1,12 +1,11 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
-// nodelet's manager for builds with a sanitizer, whose runtime must be there before everything else.
+// Goes into src/tools/nodelet_manager.cpp's program in builds with a sanitizer.
 //
 // The thread sanitizer sees no order between the last reader of a shared object and the one who deletes it where the
 // counts of shared pointers are released in libraries that are not instrumented. ROS's call that release by name, and
 // of two of the same name take the program's: here stand the instrumented ones.
 #include <nodelet/detail/callback_queue.h>
-#include <nodelet/loader.h>
 #include <ros/ros.h>
 
 #include <boost/smart_ptr/shared_ptr.hpp>
@@ -34,12 +33,3 @@ uint32_t CallbackQueue::callOne() {
 
 }  // namespace detail
 }  // namespace nodelet
-
-int main(int argc, char** argv) {
-  ros::init(argc, argv, "manager");
-  nodelet::Loader manager;
-  ros::spin();
-  // nodelet's own leaves this to ~Loader, which, with a bond still open, looks a nodelet up in a map that is gone.
-  manager.clear();
-  return 0;
-}
