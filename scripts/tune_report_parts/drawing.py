@@ -87,12 +87,13 @@ def profile(name, points, interval, best, objective):
         closed = all(math.isfinite(end) for end in interval)
         low, high = (end if math.isfinite(end) else edge for end, edge in zip(interval, (k[0], k[-1])))
         axes.axvspan(low, high, color=BAND, linewidth=0, label="95 % interval" + ("" if closed else ", open"))
-    base = values.min() if objective == "nll" else 0.0
+    by_ate = objective == "ate"
+    base = 0.0 if by_ate else values.min()
     axes.plot(k, values - base, color=BLUE, marker="o", markersize=3.5, label="profile")
     axes.axvline(best, color=BLACK, linewidth=1, linestyle="--", label=f"best {short(best)}")
-    label = "objective above its least [nats]" if objective == "nll" else "ATE [m]"
+    label = "ATE [m]" if by_ate else "objective above its least [nats]"
     axes.set(xscale="log", xlabel=f"{name} [1]", ylabel=label)
-    if objective == "nll":
+    if not by_ate:
         # What lies a hundred times above the interval's level tells nothing and flattens what does.
         axes.set_ylim(-0.2, min(max(4.0, 1.05 * (values.max() - base)), 40.0))
         axes.axhline(1.92, color=GREY, linewidth=0.9, linestyle=":", label="1.92 (95 %)")

@@ -9,7 +9,9 @@ from . import drawing, trajectories
 from .tables import settings_table, table
 from .tuning_data import COEFFICIENTS, BadInput, a_map, number
 
-OBJECTIVES = {"ate": "position error (ATE)", "nll": "negative log-likelihood of the innovations"}
+OBJECTIVES = {"ate": "position error (ATE)", "nll": "negative log-likelihood of what the IMU predicts over 3 to 30 s",
+              "scan_nll": "negative log-likelihood of the innovations from scan to scan"}
+NIS = (("horizon_nis_per_dof", "over 3 to 30 s"), ("nis_per_dof", "from scan to scan"))
 
 
 def render(tuning):
@@ -58,7 +60,9 @@ def best_setting(tuning):
 def facts(tuning):
     """Means over the bags tuned on, before and after."""
     items = []
-    for name, label, unit in (("ate", "ATE, mean over the bags", " m"), ("nis_per_dof", "NIS per degree of freedom, mean over the bags", "")):
+    wanted = [("ate", "ATE, mean over the bags", " m")]
+    wanted += [(name, f"NIS per degree of freedom {when}, mean over the bags", "") for name, when in NIS]
+    for name, label, unit in wanted:
         found = [(figure_of(c, "before", name), figure_of(c, "after", name)) for c in tuning.comparisons
                  if not tuning.held_out(c)]
         found = [pair for pair in found if all(math.isfinite(v) for v in pair)]
@@ -70,10 +74,11 @@ def facts(tuning):
 
 def figure_of(comparison, when, name):
     entry = a_map(comparison.get(when))
-    if name != "nis_per_dof":
+    if not name.endswith("nis_per_dof"):
         return number(entry.get(name))
-    dof = number(entry.get("dof"))
-    return number(entry.get("nis")) / dof if dof > 0 else math.nan
+    kind = name[:-len("nis_per_dof")]
+    dof = number(entry.get(kind + "dof"))
+    return number(entry.get(kind + "nis")) / dof if dof > 0 else math.nan
 
 
 def settings(tuning):
@@ -146,8 +151,8 @@ def label_of(tuning, comparison):
 
 
 def nis(tuning):
-    rows = [(label_of(tuning, c), figure_of(c, "before", "nis_per_dof"), figure_of(c, "after", "nis_per_dof"))
-            for c in tuning.comparisons]
+    rows = [(f"{label_of(tuning, c)}, {when}", figure_of(c, "before", name), figure_of(c, "after", name))
+            for c in tuning.comparisons for name, when in NIS]
     rows = [row for row in rows if any(math.isfinite(v) and v > 0 for v in row[1:])]
     if not rows:
         return section("nis", "NIS before and after", missing("No NIS is recorded before and after the tuning."))
@@ -178,12 +183,13 @@ def hold_out(tuning):
     rows = []
     for c in filter(tuning.held_out, tuning.comparisons):
         row = [tuning.bag_name(c.get("bag"))]
-        for name in ("ate", "nll", "nis_per_dof"):
+        for name in ("ate", "horizon_nll", *(name for name, when in NIS)):
             row += [drawing.short(figure_of(c, when, name), 4) for when in ("before", "after")]
         rows.append(row)
     if not rows:
         return section("hold-out", "Bags held out", missing("No bag was held out: nothing here tells over-fitting."))
-    names = ["bag", "ATE before [m]", "after", "NLL before", "after", "NIS/dof before", "after"]
+    names = ["bag", "ATE before [m]", "after", "NLL before", "after"]
+    names += [word for name, when in NIS for word in (f"NIS/dof {when} before", "after")]
     return section("hold-out", "Bags held out", "<p>Scored with the best setting, not tuned on.</p>", table(names, rows))
 
 

@@ -10,7 +10,7 @@ tuning.yaml (SETTING is a map of k_g, k_a, k_gb, k_ab, k_r; one that is absent i
       config: PATH
       parameters: [k_gb, k_ab]    # tuned
       search: grid | sequential | likelihood | bayes
-      objective: ate | nll
+      objective: ate | nll | scan_nll
       runs: N                     # per setting and bag
       seed: N
       start: SETTING
@@ -30,10 +30,12 @@ tuning.yaml (SETTING is a map of k_g, k_a, k_gb, k_ab, k_r; one that is absent i
       bags:
         - bag: NUMBER
           reference: F.tum        # absent without ground truth
-          before: {trajectory: F.tum, ate: X, nll: X, nis: X, dof: N}    # each may be absent
+          before: {trajectory: F.tum, ate: X, nll: X, nis: X, dof: N,    # each may be absent
+                   horizon_nll: X, horizon_nis: X, horizon_dof: X}
           after: {...}            # the same with the best setting
 
-trials.csv, a line per run of the filter: bag,run,k_g,k_a,k_gb,k_ab,k_r,ate,end_error,nll,nis,nis_dof,scans,diverged
+trials.csv, a line per run of the filter: bag,run,k_g,k_a,k_gb,k_ab,k_r,ate,end_error,nll,nis,nis_dof,
+horizon_nll,horizon_nis,horizon_dof,horizon_share,scans,diverged
 """
 import csv
 import math

@@ -35,10 +35,12 @@ double deviation_of(const std::vector<double>& values) {
 double objective_of_run(const NoiseProblem& problem, const std::vector<TrialResult>& trials, std::size_t run) {
   double sum = 0.0;
   for (std::size_t i = run; i < trials.size(); i += problem.runs) {
-    if (problem.objective == TuningObjective::kAte)
+    if (!is_likelihood(problem.objective)) {
       sum += ate_of(problem, trials[i]) / static_cast<double>(problem.bags.size());
-    else
-      sum += problem.nll_scale * (std::isfinite(trials[i].nll) ? trials[i].nll : kBrokenNll);
+      continue;
+    }
+    const double nll = nll_of(problem.objective, trials[i]);
+    sum += problem.nll_scale * (std::isfinite(nll) ? nll : kBrokenNll);
   }
   return sum;
 }

@@ -69,6 +69,22 @@ double multiplier(const NoiseSetting& setting, NoiseParameter parameter) {
   return multiplier(copy, parameter);
 }
 
+const char* name_of(TuningObjective objective) {
+  switch (objective) {
+    case TuningObjective::kAte:
+      return "ate";
+    case TuningObjective::kNll:
+      return "nll";
+    case TuningObjective::kScanNll:
+      break;
+  }
+  return "scan_nll";
+}
+
+double nll_of(TuningObjective objective, const TrialResult& result) {
+  return objective == TuningObjective::kScanNll ? result.nll : result.horizon_nll;
+}
+
 bool same_setting(const NoiseSetting& a, const NoiseSetting& b) {
   return std::all_of(std::begin(kAll), std::end(kAll),
                      [&](NoiseParameter parameter) { return multiplier(a, parameter) == multiplier(b, parameter); });
@@ -110,7 +126,7 @@ NoiseSetting setting_at(const NoiseProblem& problem, const Eigen::VectorXd& x) {
 }
 
 double prior_cost(const NoiseProblem& problem, const NoiseSetting& setting) {
-  if (problem.objective != TuningObjective::kNll) return 0.0;
+  if (!is_likelihood(problem.objective)) return 0.0;
   return 0.5 * log_point(problem, setting).squaredNorm() / (problem.prior_sigma * problem.prior_sigma);
 }
 

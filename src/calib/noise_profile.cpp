@@ -46,7 +46,7 @@ std::vector<ProfileCurve> sample_curves(NoiseEvaluator& evaluator, std::size_t b
     }
   }
   sample(evaluator, asked, path, curves);
-  const int rounds = problem.objective == TuningObjective::kNll ? options.refinements : 0;
+  const int rounds = is_likelihood(problem.objective) ? options.refinements : 0;
   for (int round = 0; round < rounds; ++round) {
     asked.clear();
     for (Eigen::Index i = 0; i < center.size(); ++i)
@@ -156,7 +156,7 @@ std::vector<NoiseProfile> profile_noise(NoiseEvaluator& evaluator, std::size_t b
   check_options(options);
   const NoiseProblem& problem = evaluator.problem();
   const Eigen::VectorXd center = log_point(problem, evaluator.evaluations()[best].setting);
-  const bool likelihood = problem.objective == TuningObjective::kNll;
+  const bool likelihood = is_likelihood(problem.objective);
   std::vector<ProfileCurve> curves = sample_curves(evaluator, best, options, [&](Eigen::Index i, double t) {
     return Eigen::VectorXd(center + t * Eigen::VectorXd::Unit(center.size(), i));
   });

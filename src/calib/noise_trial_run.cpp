@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "allan_lio/calib/horizon_likelihood.h"
 #include "allan_lio/calib/run_perturbation.h"
 #include "allan_lio/eval/trajectory_error.h"
 #include "allan_lio/lio/odometry.h"
@@ -36,7 +37,8 @@ double scan_nll(const LioResult& r) {
 /// A run as its states come in.
 class Score {
  public:
-  explicit Score(const Trajectory& reference) : reference_(reference), farthest_(farthest_sane(reference)) {}
+  Score(const Trajectory& reference, const LioConfig& config)
+      : reference_(reference), farthest_(farthest_sane(reference)), horizons_(config) {}
 
   void add(const LioResult& r) {
     const Eigen::Vector3d& position = r.state.nav.T_world_imu.translation;
@@ -51,18 +53,26 @@ class Score {
     result_.nis += r.innovation.nis;
     result_.nis_dof += static_cast<std::uint64_t>(r.innovation.dof);
     estimate_.push_back({r.state.nav.stamp, r.state.nav.T_world_imu});
+    horizons_.add(r);
   }
 
   bool diverged() const { return result_.diverged; }
 
-  /// `fed`: scans that the odometry was given.
-  TrialResult finish(const LioCounters& c, std::uint64_t fed) {
+  /// `fed`: scans that the odometry was given, `imu` its samples, `accel_scale` what it found them to be in.
+  TrialResult finish(const LioCounters& c, std::uint64_t fed, const std::vector<ImuSample>& imu, double accel_scale) {
     const std::uint64_t of_no_use =
         c.scans_before_imu + c.scans_after_imu + c.scans_dropped_order + c.scans_overflow + c.scans_too_few_points;
     if (c.scans_used == 0 || 2 * c.scans_used < c.scans_read - of_no_use) result_.diverged = true;
     if (!result_.diverged && !reference_.empty()) measure();
-    if (!result_.diverged) return result_;
-    result_.nll = kWorstScanNll * static_cast<double>(2 * fed - result_.scans + 1);
+    if (!result_.diverged) {
+      const HorizonScore over_horizons = horizons_.score(imu, accel_scale);
+      result_.horizon_nll = over_horizons.nll;
+      result_.horizon_nis = over_horizons.nis;
+      result_.horizon_dof = over_horizons.dof;
+      result_.horizon_share = over_horizons.independent_share;
+      return result_;
+    }
+    result_.nll = result_.horizon_nll = kWorstScanNll * static_cast<double>(2 * fed - result_.scans + 1);
     if (!reference_.empty()) result_.ate = result_.end_error = std::numeric_limits<double>::infinity();
     return result_;
   }
@@ -82,6 +92,7 @@ class Score {
   const double farthest_;  ///< [m]
   TrialResult result_;
   Trajectory estimate_;
+  HorizonLikelihood horizons_;
 };
 
 /// The odometry on a record, fed in the order of the messages.
@@ -96,7 +107,7 @@ class Run {
         perturbation_(perturbation),
         on_result_(on_result),
         odometry_(config),
-        score_(record.reference()) {}
+        score_(record.reference(), config) {}
 
   TrialResult to_its_end() {
     std::uint64_t scans = 0;
@@ -108,7 +119,7 @@ class Run {
     if (!score_.diverged()) feed_samples(record_.imu().size());
     odometry_.end_of_data();
     take_results();
-    return score_.finish(odometry_.counters(), scans);
+    return score_.finish(odometry_.counters(), scans, fed_samples_, odometry_.accel_scale());
   }
 
  private:
@@ -121,8 +132,11 @@ class Run {
   }
 
   void feed_samples(std::size_t until) {
-    for (; next_sample_ < until; ++next_sample_)
-      if (perturbation_.keeps_sample(next_sample_)) odometry_.add_imu(record_.imu()[next_sample_]);
+    for (; next_sample_ < until; ++next_sample_) {
+      if (!perturbation_.keeps_sample(next_sample_)) continue;
+      odometry_.add_imu(record_.imu()[next_sample_]);
+      fed_samples_.push_back(record_.imu()[next_sample_]);
+    }
   }
 
   void take_results() {
@@ -142,6 +156,7 @@ class Run {
   Score score_;
   ScanDownsampler downsampler_;
   std::size_t next_sample_ = 0;
+  std::vector<ImuSample> fed_samples_;
 };
 
 }  // namespace

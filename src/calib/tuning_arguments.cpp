@@ -45,14 +45,14 @@ void check_search(const TuningArguments& a) {
   require(lists || a.grid.empty(), "--grid is for --search grid and sequential");
   require(a.order.empty() || a.search == "sequential", "--order is for --search sequential");
   require(!lists || a.budget == 0, "--budget is for --search likelihood and bayes");
-  require(objective_of(a) == TuningObjective::kNll || !a.suite.empty() || !a.references.empty(),
+  require(is_likelihood(objective_of(a)) || !a.suite.empty() || !a.references.empty(),
           "the objective ate needs the bags' ground truth (--reference); without it take --objective nll");
-  require(objective_of(a) == TuningObjective::kNll || a.profile.empty() || a.profile == "slice" || a.profile == "none",
+  require(is_likelihood(objective_of(a)) || a.profile.empty() || a.profile == "slice" || a.profile == "none",
           "of the objective ate there are slices only: --profile slice or none");
 }
 
 ProfileKind profile_of(const TuningArguments& a) {
-  if (a.profile == "slice" || objective_of(a) == TuningObjective::kAte) return ProfileKind::kSlice;
+  if (a.profile == "slice" || !is_likelihood(objective_of(a))) return ProfileKind::kSlice;
   return a.profile == "reoptimised" ? ProfileKind::kReoptimised : ProfileKind::kFollowed;
 }
 
@@ -73,7 +73,9 @@ TuningSearch search_of(const TuningArguments& a) {
 }
 
 TuningObjective objective_of(const TuningArguments& a) {
-  if (!a.objective.empty()) return a.objective == "ate" ? TuningObjective::kAte : TuningObjective::kNll;
+  for (const TuningObjective objective : {TuningObjective::kAte, TuningObjective::kNll, TuningObjective::kScanNll})
+    if (a.objective == name_of(objective)) return objective;
+  require(a.objective.empty(), "--objective: '" + a.objective + "' is not ate, nll or scan_nll");
   const bool lists = a.search == "grid" || a.search == "sequential";
   const bool bayes_with_truth = a.search == "bayes" && (!a.references.empty() || !a.suite.empty());
   return lists || bayes_with_truth ? TuningObjective::kAte : TuningObjective::kNll;

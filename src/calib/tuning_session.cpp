@@ -10,11 +10,13 @@
 namespace allan_lio {
 namespace {
 
-/// The average over the bags tuned on of what their innovations are worth.
-double mean_share(const std::vector<TracedRun>& runs, const std::vector<std::uint32_t>& bags) {
+/// The average over the bags tuned on of what their errors are worth against independent ones.
+double mean_share(const std::vector<TracedRun>& runs, const NoiseProblem& problem) {
   double sum = 0.0;
-  for (const std::uint32_t bag : bags) sum += runs[bag].independent_share;
-  return sum / static_cast<double>(bags.size());
+  for (const std::uint32_t bag : problem.bags)
+    sum +=
+        problem.objective == TuningObjective::kScanNll ? runs[bag].independent_share : runs[bag].result.horizon_share;
+  return sum / static_cast<double>(problem.bags.size());
 }
 
 /// As write_tum, but in one piece.
@@ -81,7 +83,7 @@ std::vector<NoiseSetting> TuningSession::measure_nll_scale(const OnPhase& on_pha
   plan.with_profiles = false;
   const TuningOutcome outcome = tune(evaluator, plan, on_phase);
   const NoiseSetting& best = evaluator.evaluations()[outcome.best].setting;
-  problem.nll_scale = mean_share(run_traced(problem_, best, settings_.jobs, stop_), problem.bags);
+  problem.nll_scale = mean_share(run_traced(problem_, best, settings_.jobs, stop_), problem);
   std::vector<NoiseSetting> tried;
   for (const ScoredSetting& scored : evaluator.evaluations()) tried.push_back(scored.setting);
   return tried;
@@ -93,7 +95,7 @@ void TuningSession::run(const OnPhase& on_phase) {
   const NoiseProblem& problem = settings_.problem;
   TuningPlan plan = settings_.plan;
   std::vector<NoiseSetting> tried;
-  if (settings_.estimate_nll_scale && problem.objective == TuningObjective::kNll) {
+  if (settings_.estimate_nll_scale && is_likelihood(problem.objective)) {
     tried = measure_nll_scale(on_phase);
     if (plan.search == TuningSearch::kBayes) plan.budget = 1;  // it has spent its own; the scale moves little
   }

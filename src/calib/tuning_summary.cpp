@@ -99,7 +99,7 @@ std::string profile_part(const TuningSession& session) {
   for (const NoiseProfile& profile : session.outcome().profiles) {
     text += std::string(name_of(profile.parameter)) + " " +
             number(multiplier(session.best().setting, profile.parameter)) + ": " + text_of(profile.verdict);
-    if (session.evaluator().problem().objective == TuningObjective::kNll)
+    if (is_likelihood(session.evaluator().problem().objective))
       text += "; 95 % " + end_text(profile.low) + " to " + end_text(profile.high) + ", by the curvature " +
               end_text(profile.curvature_low) + " to " + end_text(profile.curvature_high);
     text += "\n";
@@ -113,12 +113,15 @@ std::string change(const std::string& what, double before, double after, const s
 }
 
 double nis_per_dof(const TrialResult& r) { return r.nis_dof > 0 ? r.nis / static_cast<double>(r.nis_dof) : NAN; }
+double horizon_nis_per_dof(const TrialResult& r) { return r.horizon_dof > 0.0 ? r.horizon_nis / r.horizon_dof : NAN; }
 
 std::string run_text(const TrialResult& before, const TrialResult& after) {
   if (after.diverged) return ": diverges with the best setting";
   std::string text = before.diverged ? ": diverged before" : ":";
-  text += change("ATE", before.ate, after.ate, " m") + change("NLL", before.nll, after.nll, "") +
-          change("NIS per degree of freedom", nis_per_dof(before), nis_per_dof(after), "");
+  text +=
+      change("ATE", before.ate, after.ate, " m") + change("NLL", before.horizon_nll, after.horizon_nll, "") +
+      change("NIS per degree of freedom over 3 to 30 s", horizon_nis_per_dof(before), horizon_nis_per_dof(after), "") +
+      change("of the scans", nis_per_dof(before), nis_per_dof(after), "");
   return text.rfind(":,", 0) == 0 ? ":" + text.substr(2) : text;
 }
 

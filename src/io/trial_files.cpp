@@ -15,8 +15,9 @@ namespace {
 
 constexpr char kTrialsFormat[] = "allan_lio trials 1";
 constexpr char kTrialsColumns[] = "bag,run,k_g,k_a,k_gb,k_ab,k_r";
-constexpr char kResultsFormat[] = "allan_lio results 1";
-constexpr char kResultsColumns[] = "ate,end_error,nll,nis,nis_dof,scans,diverged";
+constexpr char kResultsFormat[] = "allan_lio results 2";
+constexpr char kResultsColumns[] =
+    "ate,end_error,nll,nis,nis_dof,horizon_nll,horizon_nis,horizon_dof,horizon_share,scans,diverged";
 
 std::string real_text(double value) {
   if (std::isnan(value)) return "nan";
@@ -80,7 +81,10 @@ NoiseTrial trial_of(const std::vector<std::string>& cells) {
 std::string row_of(const TrialResult& result) {
   std::string row;
   for (const double value : {result.ate, result.end_error, result.nll, result.nis}) row += real_text(value) + ",";
-  return row + std::to_string(result.nis_dof) + "," + std::to_string(result.scans) + (result.diverged ? ",1" : ",0");
+  row += std::to_string(result.nis_dof) + ",";
+  for (const double value : {result.horizon_nll, result.horizon_nis, result.horizon_dof, result.horizon_share})
+    row += real_text(value) + ",";
+  return row + std::to_string(result.scans) + (result.diverged ? ",1" : ",0");
 }
 
 TrialResult result_of(const std::vector<std::string>& cells) {
@@ -90,8 +94,12 @@ TrialResult result_of(const std::vector<std::string>& cells) {
   result.nll = to_real(cells[2]);
   result.nis = to_real(cells[3]);
   result.nis_dof = to_whole<std::uint64_t>(cells[4]);
-  result.scans = to_whole<std::uint32_t>(cells[5]);
-  result.diverged = to_whole<std::uint32_t>(cells[6], 1) == 1;
+  result.horizon_nll = to_real(cells[5]);
+  result.horizon_nis = to_real(cells[6]);
+  result.horizon_dof = to_real(cells[7]);
+  result.horizon_share = to_real(cells[8]);
+  result.scans = to_whole<std::uint32_t>(cells[9]);
+  result.diverged = to_whole<std::uint32_t>(cells[10], 1) == 1;
   return result;
 }
 

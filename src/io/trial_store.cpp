@@ -10,17 +10,21 @@ namespace allan_lio {
 namespace {
 
 constexpr int kApplicationId = 0x414c5453;  // "ALTS"
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 
 constexpr char kSchema[] =
     "CREATE TABLE trials (problem TEXT NOT NULL, bag TEXT NOT NULL, k_g REAL NOT NULL, k_a REAL NOT NULL, "
     "k_gb REAL NOT NULL, k_ab REAL NOT NULL, k_r REAL NOT NULL, run INTEGER NOT NULL, seed INTEGER NOT NULL, "
-    "ate REAL, end_error REAL, nll REAL, nis REAL, nis_dof INTEGER NOT NULL, scans INTEGER NOT NULL, "
+    "ate REAL, end_error REAL, nll REAL, nis REAL, nis_dof INTEGER NOT NULL, horizon_nll REAL, horizon_nis REAL, "
+    "horizon_dof REAL, horizon_share REAL, scans INTEGER NOT NULL, "
     "diverged INTEGER NOT NULL, PRIMARY KEY (problem, bag, k_g, k_a, k_gb, k_ab, k_r, run, seed)) WITHOUT ROWID";
 constexpr char kFind[] =
-    "SELECT ate, end_error, nll, nis, nis_dof, scans, diverged FROM trials WHERE problem = ? AND bag = ? AND k_g = ? "
-    "AND k_a = ? AND k_gb = ? AND k_ab = ? AND k_r = ? AND run = ? AND seed = ?";
-constexpr char kPut[] = "INSERT OR REPLACE INTO trials VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
+    "SELECT ate, end_error, nll, nis, nis_dof, horizon_nll, horizon_nis, horizon_dof, horizon_share, scans, diverged "
+    "FROM trials "
+    "WHERE problem = ? AND bag = ? AND k_g = ? AND k_a = ? AND k_gb = ? AND k_ab = ? AND k_r = ? AND run = ? AND seed "
+    "= ?";
+constexpr char kPut[] =
+    "INSERT OR REPLACE INTO trials VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
 
 /// SQLite's integers have a sign; the bits are what counts.
 std::int64_t to_signed(std::uint64_t value) {
@@ -82,6 +86,10 @@ std::optional<TrialResult> TrialStore::find(const TrialKey& key) const {
   result.nll = statement.number();
   result.nis = statement.number();
   result.nis_dof = to_unsigned(statement.integer());
+  result.horizon_nll = statement.number();
+  result.horizon_nis = statement.number();
+  result.horizon_dof = statement.number();
+  result.horizon_share = statement.number();
   result.scans = static_cast<std::uint32_t>(statement.integer());
   result.diverged = statement.integer() != 0;
   return result;
@@ -93,6 +101,8 @@ void TrialStore::put(const TrialKey& key, const TrialResult& result) {
   bind_key(statement, key);
   for (const double number : {result.ate, result.end_error, result.nll, result.nis}) statement.bind(number);
   statement.bind(to_signed(result.nis_dof));
+  for (const double number : {result.horizon_nll, result.horizon_nis, result.horizon_dof, result.horizon_share})
+    statement.bind(number);
   statement.bind(std::int64_t{result.scans});
   statement.bind(std::int64_t{result.diverged});
   statement.step();

@@ -55,8 +55,7 @@ std::string parameter_list(const std::vector<NoiseParameter>& parameters) {
 std::string problem_part(const TuningReport& report, const NoiseProblem& problem) {
   return "problem:\n  bags:" + bag_list(report.bags) + "\n  hold_out:" + bag_list(report.hold_out) +
          "\n  config: " + yaml_quoted(report.config) + "\n  parameters: " + parameter_list(problem.tuned) +
-         "\n  search: " + name_of(report.search) +
-         "\n  objective: " + (problem.objective == TuningObjective::kAte ? "ate" : "nll") +
+         "\n  search: " + name_of(report.search) + "\n  objective: " + name_of(problem.objective) +
          "\n  runs: " + std::to_string(problem.runs) + "\n  seed: " + std::to_string(report.seed) +
          "\n  start: " + setting_map(problem.start) + "\n  box: " + interval(problem.lowest_k, problem.highest_k) +
          "\n  prior_sigma: " + real(problem.prior_sigma) + "\n  nll_scale: " + real(problem.nll_scale) +
@@ -71,7 +70,7 @@ std::string profile_part(const NoiseEvaluator& evaluator, const NoiseProfile& pr
     points += (points.empty() ? "[" : ", [") + real(point.k) + ", " + real(scored.objective - scored.prior) + "]";
   }
   std::string text = "  - parameter: " + std::string(name_of(profile.parameter)) + "\n    points: [" + points + "]\n";
-  if (evaluator.problem().objective == TuningObjective::kNll)
+  if (is_likelihood(evaluator.problem().objective))
     text += "    interval: " + interval(profile.low, profile.high) +
             "\n    curvature_interval: " + interval(profile.curvature_low, profile.curvature_high) + "\n";
   return text + "    verdict: " + yaml_quoted(text_of(profile.verdict)) + "\n";
@@ -83,7 +82,8 @@ std::string run_part(const ComparedRun& run) {
   if (!run.trajectory.empty()) text += "trajectory: " + yaml_quoted(run.trajectory) + ", ";
   if (!std::isnan(r.ate)) text += "ate: " + real(r.ate) + ", ";
   return text + "nll: " + real(r.nll) + ", nis: " + real(r.nis) + ", dof: " + std::to_string(r.nis_dof) +
-         ", diverged: " + (r.diverged ? "true" : "false") + "}";
+         ", horizon_nll: " + real(r.horizon_nll) + ", horizon_nis: " + real(r.horizon_nis) +
+         ", horizon_dof: " + real(r.horizon_dof) + ", diverged: " + (r.diverged ? "true" : "false") + "}";
 }
 
 std::string comparison_part(const TuningReport& report) {
@@ -108,7 +108,9 @@ std::string line_of(const NoiseTrial& trial, const TrialResult& r) {
   std::string text = std::to_string(trial.bag) + "," + std::to_string(trial.run);
   for (const NoiseParameter p : kAll) text += "," + cell(multiplier(trial.setting, p));
   for (const double value : {r.ate, r.end_error, r.nll, r.nis}) text += "," + cell(value);
-  return text + "," + std::to_string(r.nis_dof) + "," + std::to_string(r.scans) + (r.diverged ? ",1\n" : ",0\n");
+  text += "," + std::to_string(r.nis_dof);
+  for (const double value : {r.horizon_nll, r.horizon_nis, r.horizon_dof, r.horizon_share}) text += "," + cell(value);
+  return text + "," + std::to_string(r.scans) + (r.diverged ? ",1\n" : ",0\n");
 }
 
 }  // namespace
@@ -140,7 +142,9 @@ std::string trials_csv(std::vector<TrialRow> rows) {
   std::sort(rows.begin(), rows.end(), [](const TrialRow& a, const TrialRow& b) { return rank_of(a) < rank_of(b); });
   const auto same = [](const TrialRow& a, const TrialRow& b) { return rank_of(a) == rank_of(b); };
   rows.erase(std::unique(rows.begin(), rows.end(), same), rows.end());
-  std::string text = "bag,run,k_g,k_a,k_gb,k_ab,k_r,ate,end_error,nll,nis,nis_dof,scans,diverged\n";
+  std::string text =
+      "bag,run,k_g,k_a,k_gb,k_ab,k_r,ate,end_error,nll,nis,nis_dof,horizon_nll,horizon_nis,horizon_dof,"
+      "horizon_share,scans,diverged\n";
   for (const auto& [trial, result] : rows) text += line_of(trial, result);
   return text;
 }

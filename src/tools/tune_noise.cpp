@@ -47,9 +47,10 @@ void declare_search(CLI::App& app, TuningArguments& a) {
   app.add_option("--search", a.search, "grid, sequential, likelihood or bayes (default likelihood)")
       ->check(CLI::IsMember({"grid", "sequential", "likelihood", "bayes"}));
   app.add_option("--objective", a.objective,
-                 "ate: error against ground truth; nll: negative log-likelihood of the innovations, which needs none "
-                 "(default: ate for grid and sequential, and for bayes with truth)")
-      ->check(CLI::IsMember({"ate", "nll"}));
+                 "ate: error against ground truth; without one, the negative log-likelihood nll of what the IMU alone "
+                 "predicts over 3 to 30 s, or scan_nll of the innovations from scan to scan, which tells k_r (default: "
+                 "ate for grid and sequential, and for bayes with truth, else nll)")
+      ->check(CLI::IsMember({"ate", "nll", "scan_nll"}));
   app.add_option("--runs", a.runs, "of each bag and setting; from the second on start, thinning and losses vary")
       ->check(CLI::Range(1, 10000));
   app.add_option("--seed", a.seed, "of the runs' variations and of --search bayes (default 1)");
@@ -57,9 +58,9 @@ void declare_search(CLI::App& app, TuningArguments& a) {
   app.add_option("--order", a.order, "of --search sequential (default, the paper's: k_a,k_g,k_ab,k_gb,k_r)");
   app.add_option("--start", a.start, "3 for all, or k_gb=10,k_ab=3 (default: the configuration's)");
   app.add_option("--box", a.box, "LOW,HIGH of every tuned coefficient (default 0.01,1000)");
-  app.add_option("--prior-sigma", a.prior_sigma, "of ln k about k = 1, for nll (default ln 10)")
+  app.add_option("--prior-sigma", a.prior_sigma, "of ln k about k = 1, without ground truth (default ln 10)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--nll-scale", a.nll_scale, "independent innovations over their number (default auto: measured)");
+  app.add_option("--nll-scale", a.nll_scale, "independent errors over their number (default auto: measured)");
   app.add_option("--budget", a.budget, "settings that likelihood (150) or bayes (40) may try")
       ->check(CLI::Range(1, 100000));
   app.add_option("--profile", a.profile,

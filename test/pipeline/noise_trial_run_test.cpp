@@ -37,7 +37,9 @@ PreparedRecord prepared(const SimulatedDrive& drive, const LioConfig& config, bo
 
 bool same_bits(const TrialResult& a, const TrialResult& b) {
   return std::memcmp(&a.ate, &b.ate, sizeof(double)) == 0 && a.end_error == b.end_error && a.nll == b.nll &&
-         a.nis == b.nis && a.nis_dof == b.nis_dof && a.scans == b.scans && a.diverged == b.diverged;
+         a.nis == b.nis && a.nis_dof == b.nis_dof && a.horizon_nll == b.horizon_nll && a.horizon_nis == b.horizon_nis &&
+         a.horizon_dof == b.horizon_dof && a.horizon_share == b.horizon_share && a.scans == b.scans &&
+         a.diverged == b.diverged;
 }
 
 NoiseTrial run_number(std::uint32_t run, NoiseSetting setting = {}) { return {0, setting, run}; }
@@ -119,6 +121,16 @@ TEST_F(NoiseTrialRun, TheLikelihoodPrefersTheTrueNoiseToOneTenTimesOff) {
   EXPECT_LT(at_truth, run(run_number(0, {{0.1, 0.1, 1.0, 1.0}, 1.0})).nll);
 }
 
+TEST_F(NoiseTrialRun, OverSecondsItPrefersTheTrueNoiseToOneThreeTimesOff) {
+  const PreparedRecord longer = prepared(simulate_drive("rooms", 70.0, 4), config);
+  const auto with = [&](double k) { return run_trial(longer, config, run_number(0, {{k, k, 1.0, 1.0}, 1.0}), kSeed); };
+  const TrialResult at_truth = with(1.0);
+  EXPECT_LT(at_truth.horizon_nll, with(0.3).horizon_nll);
+  EXPECT_LT(at_truth.horizon_nll, with(3.0).horizon_nll);
+  EXPECT_NEAR(at_truth.horizon_nis / at_truth.horizon_dof, 1.0, 0.5);
+  EXPECT_GT(at_truth.horizon_dof, 100.0);
+}
+
 TEST_F(NoiseTrialRun, ALostMapIsWorseThanAnySaneRunAndStillFinite) {
   SimulatedDrive lost = drive();
   for (std::size_t i = 60; i < lost.scans.size(); ++i)  // elsewhere all of a sudden
@@ -129,6 +141,7 @@ TEST_F(NoiseTrialRun, ALostMapIsWorseThanAnySaneRunAndStillFinite) {
   EXPECT_TRUE(std::isinf(result.ate));
   EXPECT_TRUE(std::isfinite(result.nll));
   EXPECT_GT(result.nll, kWorstScanNll * static_cast<double>(record.scans()));
+  EXPECT_EQ(result.horizon_nll, result.nll);
   EXPECT_LT(result.scans, 80U) << "it ends there";
   EXPECT_TRUE(std::isfinite(result.nis));
 }

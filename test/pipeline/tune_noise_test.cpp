@@ -175,8 +175,8 @@ TEST(TuneNoise, BagsHeldOutAreScoredAndNotTunedOn) {
   EXPECT_TRUE(share > 0.05 && share <= 1.0) << share;
   EXPECT_EQ(without["before_after"]["bags"].size(), 1U);
   ASSERT_EQ(held["before_after"]["bags"].size(), 2U);
-  EXPECT_EQ(held["before_after"]["bags"][1]["after"]["nll"].as<double>(),
-            held["before_after"]["bags"][0]["after"]["nll"].as<double>());
+  EXPECT_EQ(held["before_after"]["bags"][1]["after"]["horizon_nll"].as<double>(),
+            held["before_after"]["bags"][0]["after"]["horizon_nll"].as<double>());
 }
 
 TEST(TuneNoise, ASuiteIsSimulatedReadAndRemoved) {

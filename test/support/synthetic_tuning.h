@@ -28,7 +28,7 @@ inline RunTrials engine_of(std::function<TrialResult(const NoiseTrial&)> run) {
 inline RunTrials engine_of_logs(const NoiseProblem& problem, std::function<double(const Eigen::VectorXd&)> value) {
   return engine_of([problem, value = std::move(value)](const NoiseTrial& trial) {
     TrialResult result;
-    result.nll = result.ate = value(log_point(problem, trial.setting));
+    result.nll = result.horizon_nll = result.ate = value(log_point(problem, trial.setting));
     return result;
   });
 }

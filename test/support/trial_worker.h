@@ -14,9 +14,11 @@ namespace allan_lio {
 
 /// A worker in the shell whose results are the trials' own figures, digit by digit.
 inline std::string echo_worker() {
-  return "awk -F, 'NR == 1 { sub(\"trials\", \"results\"); print; next }\n"
-         "NR == 2 { print \"ate,end_error,nll,nis,nis_dof,scans,diverged\"; next }\n"
-         "{ print $3 \",\" $4 \",\" $5 \",\" $6 \",\" $1 \",\" $2 \",0\" }' \"$TRIALS\" >\"$RESULTS.part\" &&\n"
+  return "awk -F, 'NR == 1 { sub(\"trials 1\", \"results 2\"); print; next }\n"
+         "NR == 2 { print "
+         "\"ate,end_error,nll,nis,nis_dof,horizon_nll,horizon_nis,horizon_dof,horizon_share,scans,diverged\"; next }\n"
+         "{ print $3 \",\" $4 \",\" $5 \",\" $6 \",\" $1 \",\" $3 \",\" $4 \",\" $5 \",\" $6 \",\" $2 \",0\" }' "
+         "\"$TRIALS\" >\"$RESULTS.part\" &&\n"
          "mv \"$RESULTS.part\" \"$RESULTS\"";
 }
 
@@ -39,6 +41,10 @@ inline void expect_echo(const std::vector<TrialResult>& results, const std::vect
     EXPECT_EQ(results[i].nll, trials[i].setting.imu.k_gb) << i;
     EXPECT_EQ(results[i].nis, trials[i].setting.imu.k_ab) << i;
     EXPECT_EQ(results[i].nis_dof, trials[i].bag) << i;
+    EXPECT_EQ(results[i].horizon_nll, trials[i].setting.imu.k_g) << i;
+    EXPECT_EQ(results[i].horizon_nis, trials[i].setting.imu.k_a) << i;
+    EXPECT_EQ(results[i].horizon_dof, trials[i].setting.imu.k_gb) << i;
+    EXPECT_EQ(results[i].horizon_share, trials[i].setting.imu.k_ab) << i;
     EXPECT_EQ(results[i].scans, trials[i].run) << i;
   }
 }

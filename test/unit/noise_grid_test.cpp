@@ -86,7 +86,7 @@ TEST(NoiseEvaluator, SumsTheScaledLikelihoodOverBagsAndAddsThePrior) {
   start_at(problem, std::exp(1.0));
   const auto run = [](const NoiseTrial& trial) {
     TrialResult result;
-    result.nll = 100.0 * trial.bag + 8.0 * trial.run;
+    result.horizon_nll = 100.0 * trial.bag + 8.0 * trial.run;
     return result;
   };
   NoiseEvaluator evaluator(problem, engine_of(run));

@@ -28,7 +28,7 @@ const std::vector<P> kFour = {P::kKgb, P::kKab, P::kKg, P::kKa};
 RunTrials engine_with_cliff(const NoiseProblem& problem, const Value& value) {
   return engine_of([problem, value](const NoiseTrial& trial) {
     TrialResult result;
-    result.nll = value(log_point(problem, trial.setting));
+    result.nll = result.horizon_nll = value(log_point(problem, trial.setting));
     result.diverged = result.nll >= kPenalty;
     return result;
   });

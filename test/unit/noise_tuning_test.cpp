@@ -71,7 +71,7 @@ TEST(NoiseTuning, WhereEveryRunDivergesThereAreNoProfiles) {
   const NoiseProblem problem = problem_of({P::kKgb});
   NoiseEvaluator evaluator(problem, engine_of([](const NoiseTrial&) {
                              TrialResult result;
-                             result.nll = 1e6;
+                             result.horizon_nll = 1e6;
                              result.diverged = true;
                              return result;
                            }));

@@ -151,7 +151,7 @@ TEST_F(SlurmEngine, OutlivesAQueueThatIsSilentForAWhileButNotForEver) {
 
 TEST_F(SlurmEngine, RefusesResultsThatAreNotWhatTheTrialsAskFor) {
   options.worker = "echo garbage >\"$RESULTS\"";
-  EXPECT_NE(complaint(1).find("task-0.results: is no file of 'allan_lio results 1'"), std::string::npos);
+  EXPECT_NE(complaint(1).find("task-0.results: is no file of 'allan_lio results 2'"), std::string::npos);
   options.worker = echo_worker() + "\nsed -i -e '$d' -e 's/ 3 rows/ 2 rows/' \"$RESULTS\"";
   options.worker = "RESULTS=$RESULTS.short\n" + options.worker + "\nmv $RESULTS ${RESULTS%.short}";
   options.directory = shared.file("plain");

@@ -34,7 +34,8 @@ std::string complaint_about(const std::string& text) {
   return "";
 }
 
-const char* const kHead = "ate,end_error,nll,nis,nis_dof,scans,diverged\n";
+const char* const kHead =
+    "ate,end_error,nll,nis,nis_dof,horizon_nll,horizon_nis,horizon_dof,horizon_share,scans,diverged\n";
 
 TEST(TrialFiles, TrialsComeBackToTheLastBit) {
   const TemporaryDirectory directory;
@@ -59,7 +60,8 @@ TEST(TrialFiles, TrialsComeBackToTheLastBit) {
 TEST(TrialFiles, ResultsComeBackToTheLastBitAndNaNAsNaN) {
   const TemporaryDirectory directory;
   std::vector<TrialResult> results(2);
-  results[1] = {0.1 + 0.2, -0.0, -12345.678901234567, 1e300, 18446744073709551615ULL, 4294967295U, true};
+  results[1] = {0.1 + 0.2, -0.0,       -12345.678901234567, 1e300, 18446744073709551615ULL, -1.0 / 7.0, 1.0 / 9.0,
+                1e-300,    2.0 / 11.0, 4294967295U,         true};
   write_results(directory.file("r"), results);
   const std::vector<TrialResult> read = read_results(directory.file("r"));
   ASSERT_EQ(read.size(), 2U);
@@ -70,6 +72,10 @@ TEST(TrialFiles, ResultsComeBackToTheLastBitAndNaNAsNaN) {
   EXPECT_EQ(bits_of(read[1].nll), bits_of(results[1].nll));
   EXPECT_EQ(bits_of(read[1].nis), bits_of(results[1].nis));
   EXPECT_EQ(read[1].nis_dof, results[1].nis_dof);
+  EXPECT_EQ(bits_of(read[1].horizon_nll), bits_of(results[1].horizon_nll));
+  EXPECT_EQ(bits_of(read[1].horizon_nis), bits_of(results[1].horizon_nis));
+  EXPECT_EQ(bits_of(read[1].horizon_dof), bits_of(results[1].horizon_dof));
+  EXPECT_EQ(bits_of(read[1].horizon_share), bits_of(results[1].horizon_share));
   EXPECT_EQ(read[1].scans, results[1].scans);
   EXPECT_TRUE(read[1].diverged);
 }
@@ -91,17 +97,20 @@ TEST(TrialFiles, ACutOffFileIsRefusedWhereverTheCutLies) {
 }
 
 TEST(TrialFiles, MistakesAreNamedWithTheirLine) {
-  const std::string one = std::string("allan_lio results 1, 1 rows\n") + kHead;
-  EXPECT_NE(complaint_about(one + "1,2,3,x,5,6,0\n").find("r:3: 'x' is not a number"), std::string::npos);
-  EXPECT_NE(complaint_about(one + "1,2,3,4,-5,6,0\n").find("r:3: '-5' is not a whole number"), std::string::npos);
-  EXPECT_NE(complaint_about(one + "1,2,3,4,5,4294967296,0\n").find("'4294967296' is too large"), std::string::npos);
-  EXPECT_NE(complaint_about(one + "1,2,3,4,18446744073709551616,6,0\n").find("is too large"), std::string::npos);
-  EXPECT_NE(complaint_about(one + "1,2,3,4,5,6,2\n").find("'2' is too large"), std::string::npos);
-  EXPECT_NE(complaint_about(one + "1,2,3\n").find("r:3: is cut off or of another length"), std::string::npos);
-  EXPECT_NE(complaint_about("something else\n").find("is no file of 'allan_lio results 1'"), std::string::npos);
-  EXPECT_NE(complaint_about("allan_lio results 12, 0 rows\n" + std::string(kHead)).find("is no file"),
+  const std::string one = std::string("allan_lio results 2, 1 rows\n") + kHead;
+  EXPECT_NE(complaint_about(one + "1,2,3,x,5,1,1,1,1,6,0\n").find("r:3: 'x' is not a number"), std::string::npos);
+  EXPECT_NE(complaint_about(one + "1,2,3,4,-5,1,1,1,1,6,0\n").find("r:3: '-5' is not a whole number"),
             std::string::npos);
-  EXPECT_EQ(complaint_about(one + "1,2,3,4,5,6,0\n"), "");
+  EXPECT_NE(complaint_about(one + "1,2,3,4,5,1,1,1,1,4294967296,0\n").find("'4294967296' is too large"),
+            std::string::npos);
+  EXPECT_NE(complaint_about(one + "1,2,3,4,18446744073709551616,1,1,1,1,6,0\n").find("is too large"),
+            std::string::npos);
+  EXPECT_NE(complaint_about(one + "1,2,3,4,5,1,1,1,1,6,2\n").find("'2' is too large"), std::string::npos);
+  EXPECT_NE(complaint_about(one + "1,2,3\n").find("r:3: is cut off or of another length"), std::string::npos);
+  EXPECT_NE(complaint_about("something else\n").find("is no file of 'allan_lio results 2'"), std::string::npos);
+  EXPECT_NE(complaint_about("allan_lio results 22, 0 rows\n" + std::string(kHead)).find("is no file"),
+            std::string::npos);
+  EXPECT_EQ(complaint_about(one + "1,2,3,4,5,1,1,1,1,6,0\n"), "");
 }
 
 TEST(TrialFiles, TrialsAreNotTakenForResults) {

@@ -37,6 +37,10 @@ TrialResult result_of(double ate) {
   result.nll = -1.0 / 3.0;
   result.nis = std::numeric_limits<double>::denorm_min();
   result.nis_dof = std::numeric_limits<std::uint64_t>::max();
+  result.horizon_nll = -1.0 / 7.0;
+  result.horizon_nis = 1.0 / 9.0;
+  result.horizon_dof = 1e-300;
+  result.horizon_share = 2.0 / 11.0;
   result.scans = std::numeric_limits<std::uint32_t>::max();
   result.diverged = true;
   return result;
@@ -73,6 +77,10 @@ TEST(TrialStore, GivesResultsBackToTheLastBitAlsoWhenItIsOpenedAgain) {
   EXPECT_TRUE(same_bits(found->nll, expected.nll));
   EXPECT_TRUE(same_bits(found->nis, expected.nis));
   EXPECT_EQ(found->nis_dof, expected.nis_dof);
+  EXPECT_TRUE(same_bits(found->horizon_nll, expected.horizon_nll));
+  EXPECT_TRUE(same_bits(found->horizon_nis, expected.horizon_nis));
+  EXPECT_TRUE(same_bits(found->horizon_dof, expected.horizon_dof));
+  EXPECT_TRUE(same_bits(found->horizon_share, expected.horizon_share));
   EXPECT_EQ(found->scans, expected.scans);
   EXPECT_TRUE(found->diverged);
 }
@@ -138,8 +146,8 @@ TEST(TrialStore, RefusesANewerFormatByItsNumber) {
   const TemporaryDirectory directory;
   const std::string path = directory.file("trials.db");
   TrialStore(path).put(key_of(0), result_of(1.0));
-  run_sql(path, "PRAGMA user_version = 2");
-  EXPECT_NE(refusal(path).find("format 2, and this program knows format 1 only"), std::string::npos) << refusal(path);
+  run_sql(path, "PRAGMA user_version = 3");
+  EXPECT_NE(refusal(path).find("format 3, and this program knows format 2 only"), std::string::npos) << refusal(path);
 }
 
 /// Runs `work` in a child process, which is killed without warning if it comes back.

@@ -37,9 +37,11 @@ before_after:
   bags:
     - bag: 0
       reference: truth.tum
-      before: {trajectory: before.tum, ate: 1.5, nll: 20, nis: 500, dof: 100}
-      after: {trajectory: after.tum, ate: 0.25, nll: 10, nis: 110, dof: 100}
-    - {bag: 1, before: {ate: 1.75, nll: 30, nis: 300, dof: 100}, after: {ate: 0.375, nll: 15, nis: 90, dof: 100}}
+      before: {trajectory: before.tum, ate: 1.5, nll: 20, nis: 500, dof: 100, horizon_nis: 150, horizon_dof: 75.5}
+      after: {trajectory: after.tum, ate: 0.25, nll: 10, nis: 110, dof: 100, horizon_nis: 75, horizon_dof: 75}
+    - bag: 1
+      before: {ate: 1.75, horizon_nll: 30, nis: 300, dof: 100, horizon_nis: 120, horizon_dof: 80}
+      after: {ate: 0.375, horizon_nll: 15, nis: 90, dof: 100, horizon_nis: 100, horizon_dof: 80}
 )";
 
 /// A directory as tune_noise leaves it, with whatever parts of it a test writes.
@@ -49,14 +51,16 @@ struct TuneReport : testing::Test {
   void write_all(const std::string& objective) const {
     std::string yaml = kProblem;
     yaml.replace(yaml.find("OBJECTIVE"), 9, objective);
-    std::string trials = "bag,run,k_g,k_a,k_gb,k_ab,k_r,ate,end_error,nll,nis,nis_dof,scans,diverged\n";
+    std::string trials =
+        "bag,run,k_g,k_a,k_gb,k_ab,k_r,ate,end_error,nll,nis,nis_dof,horizon_nll,horizon_nis,horizon_dof,"
+        "horizon_share,scans,diverged\n";
     yaml += "evaluations:\n";
     for (const std::string gb : {"1", "10", "50"})
       for (const std::string ab : {"1", "3"}) {
         const std::string k = "1,1," + gb + "," + ab + ",1,";
-        const std::string ends = gb == "50" ? "nan,nan,9,9,9,9,1\n" : ",1,9,9,9,9,0\n";
+        const std::string ends = gb == "50" ? "nan,nan,9,9,9,9,9,9,1,9,1\n" : ",1,9,9,9,9,9,9,1,9,0\n";
         const std::string ate = gb == "50" ? "" : gb == "10" ? "0.4" : "2.4", more = gb == "50" ? "" : "375";
-        trials += "0,0," + k + ate + ends + "0,1," + k + ate + more + ends + "1,0," + k + "77.5,1,9,9,9,9,0\n";
+        trials += "0,0," + k + ate + ends + "0,1," + k + ate + more + ends + "1,0," + k + "77.5,1,9,9,9,9,9,9,1,9,0\n";
         yaml += "  - {setting: {k_gb: " + gb + ", k_ab: " + ab + "}, objective: " + gb + "." + ab + "}\n";
       }
     write("tuning.yaml", yaml + kResults);
@@ -91,7 +95,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 }
 
 TEST_F(TuneReport, ShowsEverySectionInAPageThatIsWellFormedAndNeedsNoOtherFile) {
-  for (const char* objective : {"ate", "nll"}) {
+  for (const char* objective : {"ate", "nll", "scan_nll"}) {
     write_all(objective);
     const std::string html = page();
     for (const char* id : {"best", "settings", "heat-map", "profiles", "nis", "trajectories", "hold-out", "repeat"})
@@ -118,7 +122,10 @@ TEST_F(TuneReport, GivesTheBestSettingAsYamlAndThePapersTableWithoutHeldOutRuns)
   EXPECT_TRUE(has(html, "<td>50</td><td>1</td><td>-</td><td>-</td><td>-</td><td>2 of 2</td>"));
   EXPECT_FALSE(has(html, "77.5")) << "a held-out bag's error";
   EXPECT_TRUE(has(html, "1.5 → 0.25 m"));
-  EXPECT_TRUE(has(html, "<td class=\"text\">hall.bag</td><td>1.75</td><td>0.375</td><td>30</td><td>15</td>"));
+  EXPECT_TRUE(has(html,
+                  "<td "
+                  "class=\"text\">hall.bag</td><td>1.75</td><td>0.375</td><td>30</td><td>15</td><td>1.5</td><td>1.25</"
+                  "td><td>3</td><td>0.9</td>"));
   EXPECT_TRUE(has(html, "95 % interval 4 to 25")) << "profile of k_gb";
   EXPECT_TRUE(has(html, "95 % interval open to open")) << "profile of k_ab";
 }

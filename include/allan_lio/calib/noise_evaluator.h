@@ -14,8 +14,8 @@ namespace allan_lio {
 /// A setting with what its runs gave.
 struct ScoredSetting {
   NoiseSetting setting;
-  /// Lower is better. kAte: the average of the runs' ATE [m]. kNll: nll_scale times the sum over the bags of the runs'
-  /// average nll, plus prior_cost [nats]: the negative log posterior but for a constant.
+  /// Lower is better. kAte: the average of the runs' ATE [m]. A likelihood: nll_scale times the sum over the bags of
+  /// the runs' average nll_of, plus prior_cost [nats]: the negative log posterior but for a constant.
   double objective = 0.0;
   double prior = 0.0;               ///< prior_cost, the part of the objective that is not the data's
   double run_deviation = 0.0;       ///< standard deviation among the runs, of each run's objective over all bags

@@ -29,8 +29,19 @@ bool same_setting(const NoiseSetting& a, const NoiseSetting& b);
 /// What a setting is judged by.
 enum class TuningObjective {
   kAte,  ///< the average of TrialResult::ate over bags and runs [m]: needs ground truth
-  kNll,  ///< the innovations' negative log-likelihood with a prior on the coefficients: needs none
+  // Negative log-likelihoods with a prior on the coefficients, which need no ground truth:
+  kNll,      ///< of what the IMU alone predicts over 3 to 30 s, TrialResult::horizon_nll
+  kScanNll,  ///< of the innovations from one scan to the next, TrialResult::nll: the one that tells k_r
 };
+
+/// Whether it is measured in nats, has a prior, and profiles with intervals.
+constexpr bool is_likelihood(TuningObjective objective) { return objective != TuningObjective::kAte; }
+
+/// "ate", "nll", "scan_nll".
+const char* name_of(TuningObjective objective);
+
+/// The part of it that is minimised [nats]; `objective` is a likelihood.
+double nll_of(TuningObjective objective, const TrialResult& result);
 
 /// What is tuned on what. Searches work on x = ln k of the tuned coefficients, in the order of `tuned`.
 struct NoiseProblem {
@@ -41,9 +52,10 @@ struct NoiseProblem {
   TuningObjective objective = TuningObjective::kNll;
 
   double lowest_k = 0.01, highest_k = 1000.0;  ///< the box of every tuned coefficient
-  /// kNll: 1 sigma of ln k about k = 1, the log-normal prior's width. ln 10: a factor of ten costs half a nat.
+  /// Of a likelihood: 1 sigma of ln k about k = 1, the log-normal prior's width. ln 10: a factor of ten costs half a
+  /// nat.
   double prior_sigma = 2.302585092994046;
-  /// kNll: the effective number of independent innovations over their number. 1 if they are white.
+  /// Of a likelihood: the effective number of independent errors over their number. 1 if they are independent.
   double nll_scale = 1.0;
   /// kAte: what a run counts at most, and a diverged one (or one without a figure) always [m].
   double diverged_ate = 1000.0;

@@ -35,10 +35,10 @@ struct ProfilePoint {
 struct NoiseProfile {
   NoiseParameter parameter = NoiseParameter::kKg;
   std::vector<ProfilePoint> points;  ///< k ascending, the optimum among them
-  /// kNll: 95 %, where the profile is kProfileLevel above its lowest; 0 and infinite where it is not that high within
-  /// the reach or the box. kAte: open.
+  /// A likelihood: 95 %, where the profile is kProfileLevel above its lowest; 0 and infinite where it is not that high
+  /// within the reach or the box. kAte: open.
   double low = 0.0, high = std::numeric_limits<double>::infinity();
-  /// kNll: 95 % by the curvature of the objective with its prior at the optimum. kAte: open.
+  /// A likelihood: 95 % by the curvature of the objective with its prior at the optimum. kAte: open.
   double curvature_low = 0.0, curvature_high = std::numeric_limits<double>::infinity();
   ProfileVerdict verdict = ProfileVerdict::kCannotBeTold;
 };
@@ -47,7 +47,7 @@ struct NoiseProfile {
 constexpr double kProfileLevel = 1.920729410347062;
 
 struct ProfileOptions {
-  ProfileKind kind = ProfileKind::kFollowed;  ///< kNll; of kAte there are slices only
+  ProfileKind kind = ProfileKind::kFollowed;  ///< A likelihood; of kAte there are slices only
   double reach = 10.0;                        ///< the farthest point's factor on either side
   int points_a_side = 3;                      ///< evenly in ln k
   int refinements = 3;                        ///< further points at each end of the interval

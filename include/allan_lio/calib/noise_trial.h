@@ -32,8 +32,11 @@ struct TrialResult {
   double nll = 0.0;           ///< sum over the scans of -log p(innovation), constants included; finite even if diverged
   double nis = 0.0;           ///< sum of the innovations' normalised squares
   std::uint64_t nis_dof = 0;  ///< and of their degrees of freedom
-  std::uint32_t scans = 0;    ///< processed
-  bool diverged = false;      ///< lost its map, went to infinity, or used fewer than half of the scans
+  double horizon_nll = 0.0;   ///< of what the IMU alone predicts over seconds (HorizonScore); finite even if diverged
+  double horizon_nis = 0.0, horizon_dof = 0.0;  ///< of the same
+  double horizon_share = 1.0;                   ///< of the same: HorizonScore::independent_share
+  std::uint32_t scans = 0;                      ///< processed
+  bool diverged = false;  ///< lost its map, went to infinity, or used fewer than half of the scans
 };
 
 /// Runs trials, in any order and in parallel; results come in the trials' order. Throws std::runtime_error if the

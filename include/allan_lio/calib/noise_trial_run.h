@@ -11,11 +11,11 @@
 
 namespace allan_lio {
 
-// How a run scores in TrialResult::nll [1]. A scan's innovation z, of `dof` components with the covariance S, adds
-// -log p(z) = (nis + log det S + dof log 2 pi)/2, at most kWorstScanNll; one without a match adds kUnmatchedNll, a
-// hundred nats or so worse than a matched one, so that refusing the LiDAR does not pay. A run that diverged adds
-// kWorstScanNll for every scan, for every one that it never came to, and for one more: worse than any that did not
-// diverge, and the worse the earlier it did.
+// How a run scores in TrialResult::nll [1]; of horizon_nll horizon_likelihood.h tells, and the last sentence holds too.
+// A scan's innovation z, of `dof` components with the covariance S, adds -log p(z) = (nis + log det S + dof log 2
+// pi)/2, at most kWorstScanNll; one without a match adds kUnmatchedNll, a hundred nats or so worse than a matched one,
+// so that refusing the LiDAR does not pay. A run that diverged adds kWorstScanNll for every scan, for every one that it
+// never came to, and for one more: worse than any that did not diverge, and the worse the earlier it did.
 constexpr double kUnmatchedNll = 100.0;
 constexpr double kWorstScanNll = 1e5;
 

@@ -34,6 +34,7 @@ void check_arguments(const TuningArguments& a);
 TuningSearch search_of(const TuningArguments& a);
 
 /// nll for likelihood and bayes without references, ate for grid and sequential, unless --objective says otherwise.
+/// Throws std::invalid_argument for another word.
 TuningObjective objective_of(const TuningArguments& a);
 
 /// `configured`: the noise of the configuration, where a search starts unless --start says otherwise; `bags`: those

@@ -19,8 +19,9 @@ struct SessionSettings {
   NoiseProblem problem;  ///< its bags come first in the TrialProblem
   std::vector<std::uint32_t> held_out;
   TuningPlan plan;
-  /// For nll: a first search takes the innovations for white; what they are worth at its best (InnovationWhiteness, the
-  /// average over the bags) is problem.nll_scale of the search that counts, which goes on from there. Else it holds.
+  /// Of a likelihood: a first search takes the errors for independent; what they are worth at its best (HorizonScore,
+  /// of scan_nll InnovationWhiteness, the average over the bags) is problem.nll_scale of the search that counts, which
+  /// goes on from there. Else it holds.
   bool estimate_nll_scale = true;
   TuningReport report;    ///< without the comparisons; `before` is the configuration's noise
   std::string directory;  ///< of the files
