@@ -12,6 +12,7 @@
 #include <map>
 #include <sstream>
 #include <thread>
+#include <tuple>
 
 #include "allan_lio/calib/noise_trial_run.h"
 #include "allan_lio/io/run_program.h"
@@ -177,6 +178,21 @@ TEST(TuneNoise, BagsHeldOutAreScoredAndNotTunedOn) {
   ASSERT_EQ(held["before_after"]["bags"].size(), 2U);
   EXPECT_EQ(held["before_after"]["bags"][1]["after"]["horizon_nll"].as<double>(),
             held["before_after"]["bags"][0]["after"]["horizon_nll"].as<double>());
+}
+
+TEST(TuneNoise, TheLikelihoodFromScanToScanIsAskedForByItsName) {
+  const TemporaryDirectory horizons, scans;
+  const std::string grid = on_rooms() + " --params k_g --search grid --grid 0.5,1 --profile none --nll-scale 1";
+  ASSERT_EQ(run_tool(grid + " --objective nll --out " + horizons.path()).status, 0);
+  ASSERT_EQ(run_tool(grid + " --objective scan_nll --out " + scans.path()).status, 0);
+  for (const auto& [out, objective, figure] :
+       {std::tuple(&horizons, "nll", "horizon_nll"), std::tuple(&scans, "scan_nll", "nll")}) {
+    const YAML::Node tuning = YAML::LoadFile(out->file("tuning.yaml"));
+    EXPECT_EQ(tuning["problem"]["objective"].as<std::string>(), objective);
+    // At k = 1 there is no prior, and the configuration's noise is that.
+    EXPECT_EQ(tuning["evaluations"][1]["objective"].as<double>(),
+              tuning["before_after"]["bags"][0]["before"][figure].as<double>());
+  }
 }
 
 TEST(TuneNoise, ASuiteIsSimulatedReadAndRemoved) {

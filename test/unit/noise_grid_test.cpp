@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "allan_lio/calib/noise_evaluator.h"
@@ -94,6 +95,22 @@ TEST(NoiseEvaluator, SumsTheScaledLikelihoodOverBagsAndAddsThePrior) {
   EXPECT_DOUBLE_EQ(scored.prior, 2.0 * 1.0 / (2.0 * 4.0));
   EXPECT_DOUBLE_EQ(scored.objective, 0.25 * (104.0 + 204.0) + scored.prior);
   EXPECT_DOUBLE_EQ(scored.run_deviation, 0.25 * 16.0 / std::sqrt(2.0));
+}
+
+TEST(NoiseEvaluator, EachLikelihoodIsThatOfItsName) {
+  const auto run = [](const NoiseTrial&) {
+    TrialResult result;
+    result.nll = 7.0;
+    result.horizon_nll = 3.0;
+    return result;
+  };
+  for (const auto& [objective, expected] : {std::pair(TuningObjective::kNll, 3.0), {TuningObjective::kScanNll, 7.0}}) {
+    NoiseEvaluator evaluator(problem_of({P::kKg}, objective), engine_of(run));
+    const NoiseSetting twice{{2.0, 1.0, 1.0, 1.0}, 1.0};
+    const ScoredSetting scored = evaluator.evaluations()[evaluator.evaluate(twice)];
+    EXPECT_GT(scored.prior, 0.0) << name_of(objective);
+    EXPECT_DOUBLE_EQ(scored.objective, expected + scored.prior) << name_of(objective);
+  }
 }
 
 TEST(NoiseEvaluator, RunsASettingOnceAndKeepsWhatWasDoneWhenTheEngineFails) {
