@@ -18,7 +18,7 @@ def render(tuning):
     """The whole page."""
     with open(os.path.join(os.path.dirname(__file__), "style.css"), encoding="utf-8") as file:
         style = file.read()
-    sections = (best_setting, settings, heat_map, profiles, nis, paths, hold_out, repeat)
+    sections = (best_setting, rounds, settings, heat_map, profiles, nis, paths, hold_out, repeat)
     body = "\n".join(section(tuning) for section in sections)
     return (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8" />\n'
             f'<meta name="viewport" content="width=device-width, initial-scale=1" />\n<title>Noise tuning</title>\n'
@@ -81,6 +81,26 @@ def figure_of(comparison, when, name):
     return number(entry.get(kind + "nis")) / dof if dof > 0 else math.nan
 
 
+def rounds(tuning):
+    """Empty where every setting had runs of its own."""
+    if not tuning.rounds:
+        return ""
+    errors = (("white", "points"), ("view", "planes"), ("drift_rotation", "drift [rad/√s]"), ("drift_position", "[m/√s]"))
+    rows = []
+    for entry in tuning.rounds:
+        at, found, lidar = (a_map(entry.get(key)) for key in ("at", "found", "lidar_errors"))
+        cells = [f"{drawing.short(number(at.get(name)))} → {drawing.short(number(found.get(name)))}"
+                 for name in tuning.parameters]
+        runs = str(entry.get("runs", "-")) + (f', {entry["diverged"]} diverged' if entry.get("diverged") else "")
+        rows.append(cells + [drawing.short(number(lidar.get(key))) for key, _ in errors] +
+                    [drawing.short(number(entry.get("objective")), 6), runs])
+    head = [*tuning.parameters, *(label for _, label in errors), "objective", "runs"]
+    return section("rounds", "Rounds", "<p>Each round ran the filter with one setting and judged all others on the linear "
+                   "filter of those runs; the best is the next round's. Fitted along: the noise of the LiDAR's points and of the "
+                   "planes in view, as multiples of what the filter reckons with, and a drift of the map. The objective is that of the "
+                   "runs themselves.</p>", table(head, rows))
+
+
 def settings(tuning):
     if not tuning.settings:
         return section("settings", "Settings tried", missing("No setting is recorded."))
@@ -139,7 +159,8 @@ def ends_of(entry, key):
 
 def interval_text(entry):
     texts = []
-    for key, name in (("interval", "95 % interval"), ("curvature_interval", "by the curvature")):
+    for key, name in (("interval", "95 % interval"), ("curvature_interval", "by the curvature"),
+                      ("scan_interval", "from scan to scan")):
         ends = ends_of(entry, key)
         if ends:
             texts.append(f"{name} {' to '.join(drawing.short(v) if math.isfinite(v) else 'open' for v in ends)}")

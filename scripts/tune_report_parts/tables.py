@@ -27,7 +27,8 @@ def objective_order(setting):
 
 
 def settings_table(tuning):
-    """Maximum, minimum and average RMSE of each setting over bags and runs, as the paper prints them."""
+    """Maximum, minimum and average RMSE of each setting over bags and runs, as the paper prints them; on linear runs, which
+    have none, the objective alone."""
     names = tuning.parameters or list(COEFFICIENTS)
     ordered = sorted(tuning.settings.values(), key=objective_order)
     rows, best = [], None
@@ -36,12 +37,15 @@ def settings_table(tuning):
             best = len(rows)
         ate = setting.ate
         rmse = (max(ate), min(ate), sum(ate) / len(ate)) if ate else (math.nan,) * 3
+        runs = [short(value, 4) for value in rmse] + [f"{setting.diverged} of {setting.runs}" if setting.diverged else "-"]
         rows.append([short(setting.key[COEFFICIENTS.index(name)], 4) for name in names] +
-                    [short(value, 4) for value in rmse] +
-                    [f"{setting.diverged} of {setting.runs}" if setting.diverged else "-", short(setting.objective, 7)])
-    columns = names + ["RMSE max [m]", "min", "average", "diverged", "objective"]
-    note = "<p>RMSE of the position over bags and runs; diverged runs are counted, not averaged. The best setting is marked."
-    note += f" The best {SHOWN} of {len(ordered)} settings; all are in trials.csv." if len(ordered) > SHOWN else ""
+                    ([] if tuning.rounds else runs) + [short(setting.objective, 7)])
+    columns = names + ([] if tuning.rounds else ["RMSE max [m]", "min", "average", "diverged"]) + ["objective"]
+    note, file = "<p>RMSE of the position over bags and runs; diverged runs are counted, not averaged.", "trials.csv"
+    if tuning.rounds:
+        note, file = "<p>Judged by the last round's linear filter, without runs of their own.", "tuning.yaml"
+    note += " The best setting is marked."
+    note += f" The best {SHOWN} of {len(ordered)} settings; all are in {file}." if len(ordered) > SHOWN else ""
     shown = table(columns, rows[:FIRST], texts=0, best=best)
     if len(rows) > FIRST:
         rest = table(columns, rows[FIRST:], texts=0, best=None if best is None else best - FIRST)

@@ -19,11 +19,15 @@ tuning.yaml (SETTING is a map of k_g, k_a, k_gb, k_ab, k_r; one that is absent i
       hashes: {NAME: TEXT, ...}
     best: {setting: SETTING, objective: X, end: TEXT}          # required
     evaluations: [{setting: SETTING, objective: X}, ...]       # in the order of the search
+    rounds:                       # likelihood on linear runs: runs of the filter and what was found on them; else []
+      - {at: SETTING, found: SETTING, lidar_errors: {white: X, view: X, drift_rotation: X, drift_position: X},
+         objective: X, runs: N, diverged: N}                    # objective: of the runs themselves
     profiles:
       - parameter: k_gb
         points: [[K, OBJECTIVE], ...]
         interval: [LOW, HIGH]     # of the level set; null where it is open; absent for ate
         curvature_interval: [LOW, HIGH]
+        scan_interval: [LOW, HIGH]  # by the innovations from scan to scan; only of linear runs
         verdict: TEXT
     before_after:
       before: SETTING             # k = 1, or where the search began
@@ -93,6 +97,7 @@ class Tuning:
         self.parameters = [name for name in self.entries(self.problem, "parameters", str) if name in COEFFICIENTS]
         self.bags = self.entries(self.problem, "bags") + self.entries(self.problem, "hold_out")
         self.tuned_bags = len(self.entries(self.problem, "bags"))
+        self.rounds = self.entries(document, "rounds")
         self.profiles = self.entries(document, "profiles")
         before_after = a_map(document.get("before_after"))
         self.before_key = setting_key(a_map(before_after.get("before")))

@@ -2,98 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/calib/noise_trial_run.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
-#include "allan_lio/calib/horizon_likelihood.h"
 #include "allan_lio/calib/run_perturbation.h"
-#include "allan_lio/eval/trajectory_error.h"
 #include "allan_lio/lio/odometry.h"
+#include "run_score.h"
 
 namespace allan_lio {
 namespace {
-
-constexpr double kLog2Pi = 1.83787706640934548356;
-constexpr double kPathsAway = 100.0;
-
-double farthest_sane(const Trajectory& reference) {
-  if (reference.empty()) return kFarthestDivergence;
-  double path = 0.0;
-  for (std::size_t i = 1; i < reference.size(); ++i)
-    path += (reference[i].pose.translation - reference[i - 1].pose.translation).norm();
-  return std::min(std::max(kPathsAway * path, kNearestDivergence), kFarthestDivergence);
-}
-
-double scan_nll(const LioResult& r) {
-  if (r.outcome == ScanOutcome::kTooFewMatches) return kUnmatchedNll;
-  const PoseInnovation& z = r.innovation;
-  return 0.5 * (z.nis + z.log_det + z.dof * kLog2Pi);
-}
-
-/// A run as its states come in.
-class Score {
- public:
-  Score(const Trajectory& reference, const LioConfig& config)
-      : reference_(reference), farthest_(farthest_sane(reference)), horizons_(config) {}
-
-  void add(const LioResult& r) {
-    const Eigen::Vector3d& position = r.state.nav.T_world_imu.translation;
-    const double nll = scan_nll(r);
-    ++result_.scans;
-    if (!(position.norm() <= farthest_) || !r.state.nav.T_world_imu.rotation.coeffs().allFinite() ||
-        !std::isfinite(nll) || r.outcome == ScanOutcome::kMapRestarted) {
-      result_.diverged = true;
-      return;
-    }
-    result_.nll += std::min(nll, kWorstScanNll);
-    result_.nis += r.innovation.nis;
-    result_.nis_dof += static_cast<std::uint64_t>(r.innovation.dof);
-    estimate_.push_back({r.state.nav.stamp, r.state.nav.T_world_imu});
-    horizons_.add(r);
-  }
-
-  bool diverged() const { return result_.diverged; }
-
-  /// `fed`: scans that the odometry was given, `imu` its samples, `accel_scale` what it found them to be in.
-  TrialResult finish(const LioCounters& c, std::uint64_t fed, const std::vector<ImuSample>& imu, double accel_scale) {
-    const std::uint64_t of_no_use =
-        c.scans_before_imu + c.scans_after_imu + c.scans_dropped_order + c.scans_overflow + c.scans_too_few_points;
-    if (c.scans_used == 0 || 2 * c.scans_used < c.scans_read - of_no_use) result_.diverged = true;
-    if (!result_.diverged && !reference_.empty()) measure();
-    if (!result_.diverged) {
-      const HorizonScore over_horizons = horizons_.score(imu, accel_scale);
-      result_.horizon_nll = over_horizons.nll;
-      result_.horizon_nis = over_horizons.nis;
-      result_.horizon_dof = over_horizons.dof;
-      result_.horizon_share = over_horizons.independent_share;
-      return result_;
-    }
-    result_.nll = result_.horizon_nll = kWorstScanNll * static_cast<double>(2 * fed - result_.scans + 1);
-    if (!reference_.empty()) result_.ate = result_.end_error = std::numeric_limits<double>::infinity();
-    return result_;
-  }
-
- private:
-  void measure() {
-    try {
-      const TrajectoryError error = evaluate_trajectory(reference_, estimate_, Alignment::kSe3);
-      result_.ate = error.translation.rmse;
-      result_.end_error = error.end_drift;
-    } catch (const std::runtime_error&) {
-      result_.diverged = true;  // the truth can be aligned to, so it is the estimate that never left its place
-    }
-  }
-
-  const Trajectory& reference_;
-  const double farthest_;  ///< [m]
-  TrialResult result_;
-  Trajectory estimate_;
-  HorizonLikelihood horizons_;
-};
 
 /// The odometry on a record, fed in the order of the messages.
 class Run {
@@ -108,6 +25,9 @@ class Run {
         on_result_(on_result),
         odometry_(config),
         score_(record.reference(), config) {}
+
+  const std::vector<ImuSample>& fed_samples() const { return fed_samples_; }
+  double accel_scale() const { return odometry_.accel_scale(); }
 
   TrialResult to_its_end() {
     std::uint64_t scans = 0;
@@ -153,11 +73,17 @@ class Run {
   const RunPerturbation& perturbation_;
   const OnResult& on_result_;
   Odometry odometry_;
-  Score score_;
+  RunScore score_;
   ScanDownsampler downsampler_;
   std::size_t next_sample_ = 0;
   std::vector<ImuSample> fed_samples_;
 };
+
+LioConfig single_threaded(const LioConfig& config, const NoiseSetting& setting) {
+  LioConfig out = with_setting(config, setting);
+  out.threads = 1;
+  return out;
+}
 
 }  // namespace
 
@@ -172,11 +98,24 @@ TrialResult run_trial(const PreparedRecord& record, const LioConfig& config, con
   return run_trial(record, record.digest(), config, trial, seed, on_result);
 }
 
+LinearisedTrial run_linearised(const PreparedRecord& record, std::uint64_t digest, const LioConfig& config,
+                               const NoiseTrial& trial, std::uint64_t seed) {
+  const LioConfig on_one_thread = single_threaded(config, trial.setting);
+  const RunPerturbation perturbation(seed, digest, trial.run);
+  LinearRunRecorder recorder;
+  const std::function<void(const LioResult&)> record_it = [&](const LioResult& result) { recorder.add(result); };
+  Run run(record, on_one_thread, perturbation, record_it);
+  LinearisedTrial out;
+  out.trial = trial;
+  out.result = run.to_its_end();
+  if (!out.result.diverged) out.run = recorder.finish(on_one_thread, run.fed_samples(), run.accel_scale());
+  return out;
+}
+
 TrialResult run_trial(const PreparedRecord& record, std::uint64_t digest, const LioConfig& config,
                       const NoiseTrial& trial, std::uint64_t seed,
                       const std::function<void(const LioResult&)>& on_result) {
-  LioConfig on_one_thread = with_setting(config, trial.setting);
-  on_one_thread.threads = 1;
+  const LioConfig on_one_thread = single_threaded(config, trial.setting);
   const RunPerturbation perturbation(seed, digest, trial.run);
   return Run(record, on_one_thread, perturbation, on_result).to_its_end();
 }

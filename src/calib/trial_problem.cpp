@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "allan_lio/calib/noise_trial_run.h"
 #include "allan_lio/io/config_source.h"
 #include "allan_lio/io/content_hash.h"
 
@@ -46,6 +45,15 @@ TrialResult TrialProblem::run(const NoiseTrial& trial) const {
   const TuningBag& bag = bag_of(trial);
   try {
     return run_trial(bag.record, digests_[trial.bag], bag.config, trial, seed_);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(describe(trial) + ": " + error.what());
+  }
+}
+
+LinearisedTrial TrialProblem::run_linearised(const NoiseTrial& trial) const {
+  const TuningBag& bag = bag_of(trial);
+  try {
+    return allan_lio::run_linearised(bag.record, digests_[trial.bag], bag.config, trial, seed_);
   } catch (const std::exception& error) {
     throw std::runtime_error(describe(trial) + ": " + error.what());
   }

@@ -44,6 +44,7 @@ void check_search(const TuningArguments& a) {
   require(!lists || !a.grid.empty(), "--search " + a.search + " needs --grid: the values to try, or 'paper'");
   require(lists || a.grid.empty(), "--grid is for --search grid and sequential");
   require(a.order.empty() || a.search == "sequential", "--order is for --search sequential");
+  require(!a.rerun || a.search == "likelihood", "--rerun is for --search likelihood: the others run every setting");
   require(!lists || a.budget == 0, "--budget is for --search likelihood and bayes");
   require(is_likelihood(objective_of(a)) || !a.suite.empty() || !a.references.empty(),
           "the objective ate needs the bags' ground truth (--reference); without it take --objective nll");
@@ -117,6 +118,7 @@ TuningPlan plan_of(const TuningArguments& a, const NoiseProblem& problem) {
                   number_text(problem.highest_k) + " (--box)");
   plan.budget = static_cast<std::size_t>(a.budget);
   plan.seed = a.seed;
+  plan.rerun = a.rerun;
   plan.with_profiles = a.profile != "none";
   plan.profile = profile_of(a);
   return plan;

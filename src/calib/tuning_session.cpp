@@ -3,12 +3,16 @@
 #include "allan_lio/calib/tuning_session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "allan_lio/io/whole_file.h"
+#include "salvage.h"
 
 namespace allan_lio {
 namespace {
+
+constexpr double kTwoSided = 1.959963984540054;  ///< 97.5 % of the normal distribution
 
 /// The average over the bags tuned on of what their errors are worth against independent ones.
 double mean_share(const std::vector<TracedRun>& runs, const NoiseProblem& problem) {
@@ -26,53 +30,77 @@ void write_poses(const std::string& path, const Trajectory& trajectory) {
   write_whole(path, text);
 }
 
-/// Looks results up among those that are there; settings without all of theirs are left out.
-class Salvage {
- public:
-  explicit Salvage(const std::vector<TrialRow>& rows) : rows_(rows) {}
-
-  const TrialResult* find(const NoiseTrial& trial) const {
-    const auto same = [&](const TrialRow& row) {
-      return row.first.bag == trial.bag && row.first.run == trial.run && same_setting(row.first.setting, trial.setting);
-    };
-    const auto found = std::find_if(rows_.begin(), rows_.end(), same);
-    return found == rows_.end() ? nullptr : &found->second;
-  }
-
-  /// In the order in which their first trial ended.
-  std::vector<NoiseSetting> complete_settings(const NoiseProblem& problem) const {
-    std::vector<NoiseSetting> settings;
-    for (const TrialRow& row : rows_) {
-      const NoiseSetting& setting = row.first.setting;
-      const auto known = [&](const NoiseSetting& other) { return same_setting(other, setting); };
-      if (std::none_of(settings.begin(), settings.end(), known) && complete(problem, setting))
-        settings.push_back(setting);
-    }
-    return settings;
-  }
-
- private:
-  bool complete(const NoiseProblem& problem, const NoiseSetting& setting) const {
-    for (const std::uint32_t bag : problem.bags)
-      for (std::uint32_t run = 0; run < problem.runs; ++run)
-        if (find({bag, setting, run}) == nullptr) return false;
-    return true;
-  }
-
-  const std::vector<TrialRow>& rows_;
-};
-
 }  // namespace
 
 TuningSession::TuningSession(SessionSettings settings, const TrialProblem& problem, TrialEngine engine,
                              TrialStore* store, const std::atomic<bool>* stop, OnFinished on_finished)
     : settings_(std::move(settings)), problem_(problem), stop_(stop) {
   check_problem(settings_.problem);
-  run_trials_ = cached(std::move(engine), problem, store,
-                       [this, on_finished = std::move(on_finished)](const FinishedTrial& finished) {
-                         rows_.emplace_back(finished.trial, finished.result);
-                         if (on_finished) on_finished(finished);
-                       });
+  on_linear_ = std::move(on_finished);
+  on_run_ = [this](const FinishedTrial& finished) {
+    rows_.emplace_back(finished.trial, finished.result);
+    if (on_linear_) on_linear_(finished);
+  };
+  run_trials_ = cached(std::move(engine), problem, store, on_run_);
+}
+
+bool TuningSession::is_linear() const {
+  return settings_.plan.search == TuningSearch::kLikelihood && !settings_.plan.rerun &&
+         is_likelihood(settings_.problem.objective);
+}
+
+void TuningSession::tune_linear(const OnPhase& on_phase) {
+  LinearTuningOptions options;
+  options.plan = settings_.plan;
+  options.estimate_nll_scale = settings_.estimate_nll_scale;
+  options.pool = {settings_.jobs, stop_};
+  options.on_run = on_run_;
+  options.on_linear = on_linear_;
+  auto tuning = std::make_unique<LinearTuning>(problem_, settings_.problem, options);
+  if (!tuning->run(on_phase)) {
+    options.first = surviving_start(on_phase);
+    if (!options.first) return tune_by_runs(on_phase);  // which says that all diverged
+    tuning = std::make_unique<LinearTuning>(problem_, settings_.problem, options);
+    if (!tuning->run(on_phase)) return tune_by_runs(on_phase);
+  }
+  settings_.report.rounds = tuning->rounds();
+  outcome_ = tuning->outcome();
+  evaluator_ = tuning->take_evaluator();
+  if (tuning->was_overruled())
+    outcome_.end = "the runs themselves were likeliest with this setting, and not with the linear filter's best";
+  else if (!tuning->at_rest())
+    outcome_.end = "did not come to rest in " + std::to_string(tuning->rounds().size()) + " rounds of runs";
+  for (NoiseProfile& profile : outcome_.profiles) {
+    if (profile.parameter == NoiseParameter::kKr || !tuning->scan_fit()) continue;
+    const double deviation = tuning->scan_fit()->deviations[static_cast<std::size_t>(profile.parameter)];
+    const double k = multiplier(tuning->scan_fit()->setting, profile.parameter);
+    profile.scan_low = k * std::exp(-kTwoSided * deviation);
+    profile.scan_high = k * std::exp(kTwoSided * deviation);
+  }
+}
+
+/// With which not every run diverges: of all k alike, the best by runs of the filter.
+std::optional<NoiseSetting> TuningSession::surviving_start(const OnPhase& on_phase) {
+  constexpr std::size_t kSettings = 14;
+  if (on_phase) on_phase("a start that does not diverge", kSettings);
+  NoiseEvaluator evaluator(settings_.problem, run_trials_);
+  LikelihoodSearchOptions options;
+  options.most_settings = kSettings;
+  const SearchResult found = search_likelihood(evaluator, options);
+  if (found.end == SearchEnd::kAllDiverged) return std::nullopt;
+  return evaluator.evaluations()[found.best].setting;
+}
+
+void TuningSession::tune_by_runs(const OnPhase& on_phase) {
+  TuningPlan plan = settings_.plan;
+  std::vector<NoiseSetting> tried;
+  if (settings_.estimate_nll_scale && is_likelihood(settings_.problem.objective)) {
+    tried = measure_nll_scale(on_phase);
+    if (plan.search == TuningSearch::kBayes) plan.budget = 1;  // it has spent its own; the scale moves little
+  }
+  evaluator_ = std::make_unique<NoiseEvaluator>(settings_.problem, run_trials_);
+  evaluator_->evaluate(tried);
+  outcome_ = tune(*evaluator_, plan, on_phase);
 }
 
 std::vector<NoiseSetting> TuningSession::measure_nll_scale(const OnPhase& on_phase) {
@@ -93,15 +121,10 @@ void TuningSession::run(const OnPhase& on_phase) {
   const NoiseSetting before = settings_.report.before;
   const std::vector<TracedRun> runs_before = run_traced(problem_, before, settings_.jobs, stop_);
   const NoiseProblem& problem = settings_.problem;
-  TuningPlan plan = settings_.plan;
-  std::vector<NoiseSetting> tried;
-  if (settings_.estimate_nll_scale && is_likelihood(problem.objective)) {
-    tried = measure_nll_scale(on_phase);
-    if (plan.search == TuningSearch::kBayes) plan.budget = 1;  // it has spent its own; the scale moves little
-  }
-  evaluator_ = std::make_unique<NoiseEvaluator>(problem, run_trials_);
-  evaluator_->evaluate(tried);
-  outcome_ = tune(*evaluator_, plan, on_phase);
+  if (is_linear())
+    tune_linear(on_phase);
+  else
+    tune_by_runs(on_phase);
   if (!settings_.held_out.empty()) {
     if (on_phase) on_phase("bags held out", 2);
     NoiseProblem plain = problem;

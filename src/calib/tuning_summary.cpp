@@ -38,14 +38,23 @@ bool any_told(const TuningOutcome& outcome) {
   });
 }
 
+/// " on the linear filter of 3 rounds with 9 runs", if so they were judged.
+std::string rounds_text(const std::vector<LinearRound>& rounds) {
+  if (rounds.empty()) return "";
+  std::uint32_t runs = 0, diverged = 0;
+  for (const LinearRound& round : rounds) runs += round.runs, diverged += round.diverged;
+  return " on the linear filter of " + std::to_string(rounds.size()) + " rounds with " + std::to_string(runs) +
+         " runs" + (diverged > 0 ? ", " + std::to_string(diverged) + " of which diverged and were left out" : "");
+}
+
 std::string best_part(const TuningSession& session) {
   const ScoredSetting& best = session.best();
   const NoiseProblem& problem = session.evaluator().problem();
   const bool ate = problem.objective == TuningObjective::kAte;
   std::string text = "best: " + text_of(best.setting) + "\n  " + (ate ? "average ATE " : "objective ") +
                      number(best.objective, ate ? 4 : 8) + (ate ? " m" : " nats") + " of " +
-                     std::to_string(session.evaluator().evaluations().size()) + " settings; " + session.outcome().end +
-                     "\n";
+                     std::to_string(session.evaluator().evaluations().size()) + " settings" +
+                     rounds_text(session.settings().report.rounds) + "; " + session.outcome().end + "\n";
   if (best.diverged > 0)
     text += "  WARNING: with it " + std::to_string(best.diverged) + " of " + std::to_string(best.trials.size()) +
             " runs still diverge: the trouble is not the noise's size, or lies outside of what was searched\n";
@@ -102,6 +111,8 @@ std::string profile_part(const TuningSession& session) {
     if (is_likelihood(session.evaluator().problem().objective))
       text += "; 95 % " + end_text(profile.low) + " to " + end_text(profile.high) + ", by the curvature " +
               end_text(profile.curvature_low) + " to " + end_text(profile.curvature_high);
+    if (!std::isnan(profile.scan_low))
+      text += ", from scan to scan " + end_text(profile.scan_low) + " to " + end_text(profile.scan_high);
     text += "\n";
   }
   return text;

@@ -73,7 +73,18 @@ std::string profile_part(const NoiseEvaluator& evaluator, const NoiseProfile& pr
   if (is_likelihood(evaluator.problem().objective))
     text += "    interval: " + interval(profile.low, profile.high) +
             "\n    curvature_interval: " + interval(profile.curvature_low, profile.curvature_high) + "\n";
+  if (!std::isnan(profile.scan_low))
+    text += "    scan_interval: " + interval(profile.scan_low, profile.scan_high) + "\n";
   return text + "    verdict: " + yaml_quoted(text_of(profile.verdict)) + "\n";
+}
+
+std::string round_part(const LinearRound& round) {
+  const LidarErrors& e = round.errors;
+  return "  - {at: " + setting_map(round.at) + ", found: " + setting_map(round.found) +
+         ", lidar_errors: {white: " + real(e.white) + ", view: " + real(e.view) +
+         ", drift_rotation: " + real(e.drift_rotation) + ", drift_position: " + real(e.drift_position) +
+         "}, objective: " + real(round.objective) + ", runs: " + std::to_string(round.runs) +
+         ", diverged: " + std::to_string(round.diverged) + "}\n";
 }
 
 std::string run_part(const ComparedRun& run) {
@@ -122,6 +133,8 @@ std::string tuning_yaml(const TuningReport& report, const NoiseEvaluator& evalua
                      "}\nevaluations:\n";
   for (const ScoredSetting& scored : evaluator.evaluations())
     text += "  - {setting: " + setting_map(scored.setting) + ", objective: " + real(scored.objective) + "}\n";
+  text += report.rounds.empty() ? "rounds: []\n" : "rounds:\n";
+  for (const LinearRound& round : report.rounds) text += round_part(round);
   text += outcome.profiles.empty() ? "profiles: []\n" : "profiles:\n";
   for (const NoiseProfile& profile : outcome.profiles) text += profile_part(evaluator, profile);
   return text + comparison_part(report);

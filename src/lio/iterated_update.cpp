@@ -134,6 +134,12 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
     report.inliers = equations.inliers;
     report.residual_rms = std::sqrt(equations.squared_distance / equations.inliers);
     used.state = iterate;
+    report.measurement = {iterate.nav,
+                          equations.information.topLeftCorner<6, 6>(),
+                          equations.gradient.head<6>(),
+                          used.view_noise,
+                          used.view_kept,
+                          conditions.deskewed};
     used.gain = solution.gain;
     used.parts = residuals.information_of_parts();
     for (PoseMatrix& part : used.parts) part = (part * without_pure(report.localizability)).eval();

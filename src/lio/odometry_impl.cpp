@@ -162,6 +162,7 @@ void Odometry::Impl::describe(const UpdateReport& report, LioResult& result) {
   result.residual_rms = report.residual_rms;
   result.localizability = report.localizability;
   result.innovation = report.innovation;
+  result.measurement = report.measurement;
 }
 
 LioResult Odometry::Impl::finish(ScanOutcome outcome, Scan scan, LioResult result) {

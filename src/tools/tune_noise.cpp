@@ -63,6 +63,9 @@ void declare_search(CLI::App& app, TuningArguments& a) {
   app.add_option("--nll-scale", a.nll_scale, "independent errors over their number (default auto: measured)");
   app.add_option("--budget", a.budget, "settings that likelihood (150) or bayes (40) may try")
       ->check(CLI::Range(1, 100000));
+  app.add_flag("--rerun", a.rerun,
+               "likelihood: run the filter anew with every setting (a hundred), instead of a few times and judging "
+               "settings by the linear filter of those runs");
   app.add_option("--profile", a.profile,
                  "slice, followed or reoptimised (nll), or none (default: followed, ate: slice)")
       ->check(CLI::IsMember({"slice", "followed", "reoptimised", "none"}));

@@ -13,27 +13,13 @@
 #include "allan_lio/calib/run_perturbation.h"
 #include "allan_lio/calib/trial_pool.h"
 #include "allan_lio/eval/trajectory_error.h"
-#include "allan_lio/lidar/thin_scan.h"
-#include "simulated_drive.h"
+#include "prepared_drive.h"
 #include "temporary_directory.h"
 
 namespace allan_lio {
 namespace {
 
 constexpr std::uint64_t kSeed = 5;
-
-PreparedRecord prepared(const SimulatedDrive& drive, const LioConfig& config, bool with_truth = true) {
-  PreparedRecord record;
-  ScanDownsampler downsampler;
-  std::size_t sample = 0;
-  for (const Scan& scan : drive.scans) {
-    for (; sample < drive.imu.size() && drive.imu[sample].stamp <= scan.end(); ++sample) record.add(drive.imu[sample]);
-    record.add(thin_scan(scan, config.map.insert_leaf, config.lidar.leaf, downsampler));
-  }
-  for (; sample < drive.imu.size(); ++sample) record.add(drive.imu[sample]);
-  if (with_truth) record.set_reference(drive.truth);
-  return record;
-}
 
 bool same_bits(const TrialResult& a, const TrialResult& b) {
   return std::memcmp(&a.ate, &b.ate, sizeof(double)) == 0 && a.end_error == b.end_error && a.nll == b.nll &&

@@ -163,6 +163,37 @@ TEST(TuneNoise, InterruptedItWritesWhatThereIs) {
   EXPECT_FALSE(std::filesystem::exists(out.file("best.yaml"))) << "nothing was found yet";
 }
 
+TEST(TuneNoise, OnLinearRunsItRunsTheFilterOnceARound) {
+  const TemporaryDirectory out;
+  const Outcome run = run_tool(with_truth() + " --params k_g,k_a --out " + out.path());
+  ASSERT_EQ(run.status, 0) << run.text;
+  expect_text(run.text, {"on the linear filter of", "from scan to scan", "rooms.bag: ATE"});
+  const YAML::Node tuning = YAML::LoadFile(out.file("tuning.yaml"));
+  const std::size_t rounds = tuning["rounds"].size();
+  ASSERT_GE(rounds, 2U) << "the first knows nothing of how far errors hang together";
+  EXPECT_LE(rounds, 6U);
+  EXPECT_EQ(tuning["rounds"][0]["at"]["k_g"].as<double>(), 1.0);
+  for (std::size_t i = 1; i < rounds; ++i)
+    EXPECT_EQ(YAML::Dump(tuning["rounds"][i]["at"]), YAML::Dump(tuning["rounds"][i - 1]["found"]));
+  EXPECT_EQ(YAML::Dump(tuning["rounds"][rounds - 1]["found"]), YAML::Dump(tuning["best"]["setting"]));
+  ASSERT_EQ(tuning["profiles"].size(), 2U);
+  for (const YAML::Node& profile : tuning["profiles"]) EXPECT_TRUE(profile["scan_interval"]) << YAML::Dump(profile);
+  const std::string trials = contents_of(out.file("trials.csv"));
+  EXPECT_EQ(std::count(trials.begin(), trials.end(), '\n'), 1 + static_cast<long>(rounds)) << trials;
+  EXPECT_EQ(trials.find(",nan,"), std::string::npos) << "runs of the filter have an error: " << trials;
+  expect_text(contents_of(out.file("report.html")), {"Rounds", "a drift of the map"});
+}
+
+TEST(TuneNoise, RerunRunsTheFilterWithEverySetting) {
+  const TemporaryDirectory out;
+  const Outcome run = run_tool(on_rooms() + " --params k_g --rerun --budget 6 --profile none --out " + out.path());
+  ASSERT_EQ(run.status, 0) << run.text;
+  const YAML::Node tuning = YAML::LoadFile(out.file("tuning.yaml"));
+  EXPECT_EQ(tuning["rounds"].size(), 0U);
+  const std::string trials = contents_of(out.file("trials.csv"));
+  EXPECT_EQ(std::count(trials.begin(), trials.end(), '\n'), 1 + static_cast<long>(tuning["evaluations"].size()));
+}
+
 TEST(TuneNoise, BagsHeldOutAreScoredAndNotTunedOn) {
   const TemporaryDirectory alone, with;
   const std::string likelihood = on_rooms() + " --params k_g --budget 8 --profile none --out ";
@@ -253,6 +284,7 @@ TEST(TuneNoise, BadUseIsToldAndEndsWithTwo) {
       {"--params k_gb --start k_ab=3" + bag + config + out, {"--start", "k_ab is not tuned"}},
       {"--params k_gb --order k_gb" + bag + config + out, {"--order is for"}},
       {"--params k_gb --search annealing" + bag + config + out, {"--search"}},
+      {"--params k_gb --search bayes --rerun" + bag + config + out, {"--rerun is for"}},
       {"--params k_gb --runs 0" + bag + config + out, {"--runs"}},
       {"--params k_gb --seeds 3" + bag + config + out, {"need --suite"}},
       {"--params k_gb --only moon --suite " + suite + out, {"--suite", "no sequence 'moon'"}},

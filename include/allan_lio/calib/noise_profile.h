@@ -40,6 +40,9 @@ struct NoiseProfile {
   double low = 0.0, high = std::numeric_limits<double>::infinity();
   /// A likelihood: 95 % by the curvature of the objective with its prior at the optimum. kAte: open.
   double curvature_low = 0.0, curvature_high = std::numeric_limits<double>::infinity();
+  /// LinearTuning: 95 % by the likelihood of the innovations from scan to scan, whatever the objective; NaN of others.
+  /// An IMU that keeps to its specification lies in the hull of both; where they lie apart, it does not keep to it.
+  double scan_low = std::numeric_limits<double>::quiet_NaN(), scan_high = std::numeric_limits<double>::quiet_NaN();
   ProfileVerdict verdict = ProfileVerdict::kCannotBeTold;
 };
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "allan_lio/calib/linear_run.h"
 #include "allan_lio/calib/noise_trial.h"
 #include "allan_lio/calib/prepared_record.h"
 #include "allan_lio/lio/lio_config.h"
@@ -37,5 +38,16 @@ TrialResult run_trial(const PreparedRecord& record, const LioConfig& config, con
 TrialResult run_trial(const PreparedRecord& record, std::uint64_t digest, const LioConfig& config,
                       const NoiseTrial& trial, std::uint64_t seed,
                       const std::function<void(const LioResult&)>& on_result = {});
+
+/// A run and its linear run, which has no scans if it diverged.
+struct LinearisedTrial {
+  NoiseTrial trial;
+  TrialResult result;
+  LinearRun run;
+};
+
+/// run_trial() that keeps what a linear filter needs. `digest` is record.digest().
+LinearisedTrial run_linearised(const PreparedRecord& record, std::uint64_t digest, const LioConfig& config,
+                               const NoiseTrial& trial, std::uint64_t seed);
 
 }  // namespace allan_lio

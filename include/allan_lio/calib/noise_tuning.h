@@ -26,6 +26,9 @@ struct TuningPlan {
   std::vector<NoiseParameter> order;      ///< kSequential
   std::size_t budget = 0;                 ///< kLikelihood, kBayes: settings at most; 0: the search's own
   std::uint64_t seed = 1;                 ///< kBayes
+  /// kLikelihood, of an objective without truth: run the filter anew with every setting that is tried, instead of
+  /// judging most of them on linear runs (LinearTuning). What tune() does; TuningSession looks at it.
+  bool rerun = false;
   bool with_profiles = true;
   ProfileKind profile = ProfileKind::kFollowed;
   int rounds = 2;  ///< in which a better setting that the profiles find is searched on from; not for lists

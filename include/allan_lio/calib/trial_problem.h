@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "allan_lio/calib/noise_trial.h"
+#include "allan_lio/calib/noise_trial_run.h"
 #include "allan_lio/calib/prepared_record.h"
 #include "allan_lio/io/trial_store.h"
 #include "allan_lio/lio/lio_config.h"
@@ -35,6 +35,9 @@ class TrialProblem {
 
   /// Runs it on the calling thread. Throws std::runtime_error with describe(trial) before what went wrong.
   TrialResult run(const NoiseTrial& trial) const;
+
+  /// The same with its linear run.
+  LinearisedTrial run_linearised(const NoiseTrial& trial) const;
 
   /// Under what the result is stored: hashes of the build and of the configuration (multipliers and threads aside), of
   /// the recording's content, the setting, run and seed.

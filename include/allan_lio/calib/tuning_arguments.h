@@ -21,6 +21,7 @@ struct TuningArguments {
   double prior_sigma = 0.0;
   std::uint32_t runs = 1;
   std::uint64_t seed = 1, budget = 0;
+  bool rerun = false;
   int jobs = 0;
   std::string engine = "local", slurm_directory;
   std::vector<std::string> slurm_arguments;

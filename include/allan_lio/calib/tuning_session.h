@@ -4,9 +4,11 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "allan_lio/calib/linear_tuning.h"
 #include "allan_lio/calib/noise_tuning.h"
 #include "allan_lio/calib/traced_runs.h"
 #include "allan_lio/calib/trial_pool.h"
@@ -21,7 +23,7 @@ struct SessionSettings {
   TuningPlan plan;
   /// Of a likelihood: a first search takes the errors for independent; what they are worth at its best (HorizonScore,
   /// of scan_nll InnovationWhiteness, the average over the bags) is problem.nll_scale of the search that counts, which
-  /// goes on from there. Else it holds.
+  /// goes on from there; of linear runs it holds from the second round on. Else it holds.
   bool estimate_nll_scale = true;
   TuningReport report;    ///< without the comparisons; `before` is the configuration's noise
   std::string directory;  ///< of the files
@@ -54,6 +56,11 @@ class TuningSession {
  private:
   /// The first search: sets problem.nll_scale and gives the settings that it tried.
   std::vector<NoiseSetting> measure_nll_scale(const OnPhase& on_phase);
+  /// Whether most settings are judged on linear runs.
+  bool is_linear() const;
+  void tune_linear(const OnPhase& on_phase);
+  std::optional<NoiseSetting> surviving_start(const OnPhase& on_phase);
+  void tune_by_runs(const OnPhase& on_phase);
   void compare(const std::vector<TracedRun>& before, const std::vector<TracedRun>& after);
   ComparedRun kept(const TracedRun& run, const std::string& name) const;
   void write_trials() const;
@@ -63,6 +70,7 @@ class TuningSession {
   const std::atomic<bool>* stop_;
   std::vector<TrialRow> rows_;  ///< every trial that ended
   RunTrials run_trials_;
+  OnFinished on_run_, on_linear_;  ///< a trial of the filter has ended, one on linear runs
   std::unique_ptr<NoiseEvaluator> evaluator_;
   TuningOutcome outcome_;
   std::vector<ScoredSetting> held_out_;

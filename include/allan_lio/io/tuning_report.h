@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "allan_lio/calib/noise_tuning.h"
+#include "allan_lio/calib/linear_tuning.h"
 
 namespace allan_lio {
 
@@ -33,7 +33,8 @@ struct TuningReport {
   NamedTexts versions, hashes;
   TuningSearch search = TuningSearch::kLikelihood;
   std::uint64_t seed = 1;
-  NoiseSetting before;  ///< what the configuration had
+  NoiseSetting before;              ///< what the configuration had
+  std::vector<LinearRound> rounds;  ///< empty where every setting had runs of its own
   std::vector<BagComparison> comparisons;
 };
 

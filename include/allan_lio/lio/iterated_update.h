@@ -22,6 +22,7 @@ struct UpdateReport {
   double residual_rms = 0.0;  ///< [m]
   Localizability localizability;
   PoseInnovation innovation;  ///< at the prediction
+  ScanMeasurement measurement;
 };
 
 struct ScanConditions {

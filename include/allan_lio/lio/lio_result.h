@@ -36,6 +36,16 @@ enum class ScanOutcome {
   kMapRestarted,   ///< too many scans in a row had no match, or the IMU was silent for too long: the map starts anew
 };
 
+/// A scan's registration as one measurement of the pose, as its last iteration had it.
+struct ScanMeasurement {
+  NavState at;                                  ///< where it was linearised
+  PoseMatrix information = PoseMatrix::Zero();  ///< of the residuals, not weighed by the support [1/rad^2, 1/m^2]
+  PoseVector gradient = PoseVector::Zero();     ///< the information times the pose's error about `at`
+  PoseMatrix view_noise = PoseMatrix::Zero();   ///< covariance that ViewError went towards [rad^2, m^2]
+  double view_kept = 1.0;                       ///< part of itself that ViewError kept since the scan before
+  double deskewed = 0.0;                        ///< duration over which deskewing_error() counted [s]
+};
+
 /// The estimate at a scan's end.
 struct LioResult {
   ScanOutcome outcome = ScanOutcome::kUpdated;
@@ -49,7 +59,8 @@ struct LioResult {
   int iterations = 0;
   double residual_rms = 0.0;  ///< of the inliers, point to plane [m]
   Localizability localizability;
-  PoseInnovation innovation;  ///< of the scan against the prediction; 0 degrees of freedom without an update
+  PoseInnovation innovation;    ///< of the scan against the prediction; 0 degrees of freedom without an update
+  ScanMeasurement measurement;  ///< of kUpdated
 };
 
 /// What was read and what was dropped, since the start.

@@ -1,0 +1,92 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "allan_lio/calib/linear_trials.h"
+#include "allan_lio/calib/noise_tuning.h"
+
+namespace allan_lio {
+
+/// Runs of the filter at one setting, and what their linear filter made of them.
+struct LinearRound {
+  NoiseSetting at, found;  ///< the same where the runs only looked for a beginning
+  LidarErrors errors;
+  double objective = 0.0;  ///< of the runs themselves, with the prior and as if all were independent [nats]
+  std::uint32_t runs = 0, diverged = 0;  ///< of the filter; bags with a diverged run are left out of the round
+};
+
+struct LinearTuningOptions {
+  TuningPlan plan;                 ///< search by likelihood
+  bool estimate_nll_scale = true;  ///< from the first round's best on: HorizonScore's share, the average over the bags
+  std::optional<NoiseSetting> first;  ///< where the first runs are made, if not at the problem's start
+  LinearPool pool;
+  OnFinished on_run;     ///< of the filter; may be empty
+  OnFinished on_linear;  ///< of the linear filter; may be empty
+};
+
+/// The likelihood search without a run for every setting: the bags are run once with the setting at hand and
+/// linearised, the best setting by their linear filter is the next one at hand, and so on until the one at hand is as
+/// good as the best (within kAsGood). Two to four rounds where runs of the filter with every setting were a hundred;
+/// and smooth, so that curvature and profiles are the data's and not those of planes that are matched or not.
+///
+/// The last word have the runs: if those of an earlier round are likelier by kWorse than the last one's, its setting is
+/// the best, and there are no profiles.
+///
+/// A run that is lost is linearised about states that are wrong, and tells nothing of the right noise. So where the
+/// first runs are worse than they claim by kLost, runs with all tuned k alike at 3, 10 and 30 look for a better
+/// beginning.
+class LinearTuning {
+ public:
+  static constexpr double kAsGood = 0.5;  ///< [nats]
+  static constexpr double kWorse = 10.0;  ///< [nats], twice what planes that are matched or not make of a run
+  static constexpr int kMostRounds = 6;
+  static constexpr double kLost = 4.0;  ///< NIS per degree of freedom over horizons (scan_nll: from scan to scan)
+
+  /// `trials` must outlive it. Throws std::invalid_argument as check_problem does, or if the objective is ATE.
+  LinearTuning(const TrialProblem& trials, NoiseProblem problem, LinearTuningOptions options);
+
+  /// False if every run of the first round diverged; then nothing is known. Throws what engines throw.
+  bool run(const OnPhase& on_phase);
+
+  const std::vector<LinearRound>& rounds() const { return rounds_; }
+  bool at_rest() const { return at_rest_; }
+  bool was_overruled() const { return was_overruled_; }  ///< by the runs of an earlier round
+
+  // After run() that gave true:
+  /// Of the last round. Its problem has the start that was given.
+  std::unique_ptr<NoiseEvaluator> take_evaluator() { return std::move(evaluator_); }
+  const TuningOutcome& outcome() const { return outcome_; }
+  /// What the last round's innovations from scan to scan take for the best k of the IMU, with deviations; none if
+  /// that round's runs all diverged.
+  const std::optional<LidarErrorFit>& scan_fit() const { return scan_fit_; }
+
+ private:
+  using Runs = std::shared_ptr<const std::vector<LinearisedTrial>>;
+
+  /// Runs of the filter, with a round of their own.
+  Runs run_filter(const NoiseSetting& at, const OnPhase& on_phase);
+  /// From runs at the beginning to better ones, if they are lost and there are better ones.
+  Runs better_beginning(Runs runs, const OnPhase& on_phase);
+  double objective_of(const std::vector<LinearisedTrial>& runs) const;
+  bool lost(const std::vector<LinearisedTrial>& runs) const;
+  void settle(const NoiseSetting& at, Runs runs, const std::vector<std::uint32_t>& bags, int round,
+              const OnPhase& on_phase);
+  void believe_the_runs();
+  double mean_share() const;
+
+  const TrialProblem& trials_;
+  NoiseProblem problem_;
+  LinearTuningOptions options_;
+  std::vector<LinearRound> rounds_;
+  bool at_rest_ = false, was_overruled_ = false;
+  std::unique_ptr<NoiseEvaluator> evaluator_;
+  TuningOutcome outcome_;
+  std::optional<LidarErrorFit> scan_fit_;
+};
+
+}  // namespace allan_lio

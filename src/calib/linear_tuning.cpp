@@ -1,0 +1,172 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/calib/linear_tuning.h"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+namespace allan_lio {
+namespace {
+
+bool tunes(const NoiseProblem& problem, NoiseParameter parameter) {
+  return std::find(problem.tuned.begin(), problem.tuned.end(), parameter) != problem.tuned.end();
+}
+
+/// Those of the problem none of whose runs diverged.
+std::vector<std::uint32_t> whole_bags(const NoiseProblem& problem, const std::vector<LinearisedTrial>& runs) {
+  std::set<std::uint32_t> broken;
+  for (const LinearisedTrial& run : runs)
+    if (run.run.scans.empty()) broken.insert(run.trial.bag);
+  std::vector<std::uint32_t> bags;
+  std::copy_if(problem.bags.begin(), problem.bags.end(), std::back_inserter(bags),
+               [&broken](std::uint32_t bag) { return broken.count(bag) == 0; });
+  return bags;
+}
+
+RunTrials reported(const TrialEngine& engine, const OnFinished& on_finished) {
+  return [engine, on_finished](const std::vector<NoiseTrial>& trials) {
+    std::size_t done = 0;
+    return engine(trials, [&](std::size_t i, const TrialResult& result) {
+      if (on_finished) on_finished({trials[i], result, false, ++done, trials.size()});
+    });
+  };
+}
+
+}  // namespace
+
+LinearTuning::LinearTuning(const TrialProblem& trials, NoiseProblem problem, LinearTuningOptions options)
+    : trials_(trials), problem_(std::move(problem)), options_(std::move(options)) {
+  check_problem(problem_);
+  if (!is_likelihood(problem_.objective))
+    throw std::invalid_argument("a linear run knows no ground truth: its objective is nll or scan_nll");
+  if (options_.estimate_nll_scale) problem_.nll_scale = 1.0;
+}
+
+LinearTuning::Runs LinearTuning::run_filter(const NoiseSetting& at, const OnPhase& on_phase) {
+  if (on_phase) on_phase("runs of the filter, round " + std::to_string(rounds_.size() + 1), 1);
+  std::size_t done = 0;
+  const std::size_t asked = problem_.bags.size() * problem_.runs;
+  auto runs = std::make_shared<const std::vector<LinearisedTrial>>(linearise(
+      trials_, problem_, at, options_.pool.jobs, options_.pool.stop, [&](std::size_t i, const TrialResult& result) {
+        const auto bag = problem_.bags[i / problem_.runs];
+        const auto run = static_cast<std::uint32_t>(i % problem_.runs);
+        if (options_.on_run) options_.on_run({{bag, at, run}, result, false, ++done, asked});
+      }));
+  LinearRound round;
+  round.at = round.found = at;
+  round.runs = static_cast<std::uint32_t>(runs->size());
+  for (const LinearisedTrial& run : *runs) round.diverged += run.run.scans.empty() ? 1 : 0;
+  round.objective = objective_of(*runs);
+  rounds_.push_back(round);
+  return runs;
+}
+
+double LinearTuning::objective_of(const std::vector<LinearisedTrial>& runs) const {
+  double sum = prior_cost(problem_, runs[0].trial.setting);
+  for (const LinearisedTrial& run : runs) sum += nll_of(problem_.objective, run.result) / problem_.runs;
+  return sum;
+}
+
+bool LinearTuning::lost(const std::vector<LinearisedTrial>& runs) const {
+  double nis = 0.0, dof = 0.0;
+  for (const LinearisedTrial& run : runs) {
+    const TrialResult& r = run.result;
+    const bool horizons = problem_.objective == TuningObjective::kNll;
+    nis += horizons ? r.horizon_nis : r.nis;
+    dof += horizons ? r.horizon_dof : static_cast<double>(r.nis_dof);
+  }
+  return nis > kLost * dof;
+}
+
+LinearTuning::Runs LinearTuning::better_beginning(Runs runs, const OnPhase& on_phase) {
+  if (!lost(*runs)) return runs;
+  NoiseSetting alike = (*runs)[0].trial.setting;
+  for (const double k : {3.0, 10.0, 30.0}) {
+    for (const NoiseParameter parameter : problem_.tuned)
+      if (parameter != NoiseParameter::kKr)
+        multiplier(alike, parameter) = std::min(std::max(k, problem_.lowest_k), problem_.highest_k);
+    Runs others = run_filter(alike, on_phase);
+    if (objective_of(*others) < objective_of(*runs)) runs = std::move(others);
+  }
+  const auto chosen = std::find_if(rounds_.begin(), rounds_.end(), [&runs](const LinearRound& round) {
+    return same_setting(round.at, (*runs)[0].trial.setting);
+  });
+  std::rotate(chosen, chosen + 1, rounds_.end());  // it is what the search goes on from
+  return runs;
+}
+
+bool LinearTuning::run(const OnPhase& on_phase) {
+  Runs runs = run_filter(options_.first.value_or(problem_.start), on_phase);
+  if (whole_bags(problem_, *runs).empty()) return false;
+  runs = better_beginning(std::move(runs), on_phase);
+  for (int round = 0;; ++round) {
+    const NoiseSetting at = (*runs)[0].trial.setting;
+    const std::vector<std::uint32_t> bags = whole_bags(problem_, *runs);
+    if (bags.empty()) break;
+    settle(at, runs, bags, round, on_phase);
+    if (at_rest_ || round + 1 == kMostRounds) break;
+    if (round == 0 && options_.estimate_nll_scale) problem_.nll_scale = mean_share();
+    runs = run_filter(rounds_.back().found, on_phase);
+  }
+  believe_the_runs();
+  return true;
+}
+
+void LinearTuning::believe_the_runs() {
+  const auto likeliest =
+      std::min_element(rounds_.begin(), rounds_.end(),
+                       [](const LinearRound& a, const LinearRound& b) { return a.objective < b.objective; });
+  if (!(likeliest->objective < rounds_.back().objective - kWorse)) return;
+  was_overruled_ = true;
+  outcome_.best = evaluator_->evaluate(likeliest->at);
+  outcome_.profiles.clear();
+}
+
+/// One round on linear runs.
+void LinearTuning::settle(const NoiseSetting& at, Runs runs, const std::vector<std::uint32_t>& bags, int round,
+                          const OnPhase& on_phase) {
+  if (on_phase) on_phase("the LiDAR's errors", 1);
+  LidarErrorStart start;
+  start.setting = at;
+  start.warm = round > 0;
+  if (start.warm) start.errors = rounds_[rounds_.size() - 2].errors;
+  LidarErrorFit fit = fit_lidar_errors(*runs, problem_, start, options_.pool);
+  NoiseSetting likely = at;
+  if (tunes(problem_, NoiseParameter::kKr)) likely.k_r *= std::exchange(fit.errors.white, 1.0);
+  NoiseProblem problem = problem_;
+  problem.bags = bags;
+  likely = setting_at(problem, log_point(problem, likely));  // in the box
+  auto evaluator = std::make_unique<NoiseEvaluator>(
+      problem, reported(make_linear_trials(runs, fit.errors, options_.pool), options_.on_linear));
+  const std::size_t before = evaluator->evaluate(likely);
+  TuningPlan plan = options_.plan;
+  plan.with_profiles = false;
+  TuningOutcome outcome = tune(*evaluator, plan, on_phase);
+  const auto objective = [&](std::size_t place) { return evaluator->evaluations()[place].objective; };
+  at_rest_ = objective(before) - objective(outcome.best) < kAsGood;
+  if (round == 0 && options_.estimate_nll_scale) at_rest_ = false;  // the prior's weight is still to be found
+  if (at_rest_ || round + 1 == kMostRounds) {
+    if (options_.plan.with_profiles) outcome = tune(*evaluator, options_.plan, on_phase);
+    if (on_phase) on_phase("the LiDAR's errors", 1);
+    start.setting = evaluator->evaluations()[outcome.best].setting;
+    start.errors = fit.errors;
+    start.warm = start.with_deviations = true;
+    scan_fit_ = fit_lidar_errors(*runs, problem_, start, options_.pool);
+  }
+  rounds_.back().found = evaluator->evaluations()[outcome.best].setting;
+  rounds_.back().errors = fit.errors;
+  evaluator_ = std::move(evaluator);
+  outcome_ = std::move(outcome);
+}
+
+double LinearTuning::mean_share() const {
+  if (problem_.objective != TuningObjective::kNll) return 1.0;  // with the LiDAR's errors fitted innovations are white
+  const std::vector<TrialResult>& trials = evaluator_->evaluations()[outcome_.best].trials;
+  double sum = 0.0;
+  for (const TrialResult& result : trials) sum += result.horizon_share;
+  return sum / static_cast<double>(trials.size());
+}
+
+}  // namespace allan_lio

@@ -1,0 +1,140 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "allan_lio/calib/linear_tuning.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "prepared_drive.h"
+
+namespace allan_lio {
+namespace {
+
+constexpr double kSeconds = 45.0;
+constexpr std::uint64_t kSeed = 5;
+
+/// 45 s of the rooms with an IMU that keeps to its specification, simulated once.
+const TrialProblem& rooms() {
+  static const TrialProblem problem = [] {
+    const LioConfig config = simulated_robot();
+    std::vector<TuningBag> bags;
+    bags.push_back({"rooms", config, prepared(simulate_drive("rooms", kSeconds, 4), config)});
+    return TrialProblem(std::move(bags), kSeed);
+  }();
+  return problem;
+}
+
+NoiseProblem of_white_noise(double start) {
+  NoiseProblem problem;
+  problem.tuned = {NoiseParameter::kKg, NoiseParameter::kKa};
+  problem.start.imu.k_g = problem.start.imu.k_a = start;
+  return problem;
+}
+
+TEST(LinearTuning, ALinearFilterWithTheRunsNoiseStaysWithTheRun) {
+  const LinearisedTrial trial = rooms().run_linearised({});
+  ASSERT_FALSE(trial.result.diverged);
+  ASSERT_EQ(trial.run.scans.size(), trial.result.scans);
+  const LinearScore score = score_linear(trial.run, {}, {});
+  // Not the same numbers: the run counts at the prediction, takes the view's error for known and has no drift.
+  EXPECT_NEAR(score.nis / static_cast<double>(score.dof), trial.result.nis / static_cast<double>(trial.result.nis_dof),
+              0.15);
+  EXPECT_NEAR(score.horizon.nis / score.horizon.dof, trial.result.horizon_nis / trial.result.horizon_dof, 0.15);
+  EXPECT_EQ(score.horizon.dof, trial.result.horizon_dof);
+}
+
+TEST(LinearTuning, ALinearisedRunIsTheRun) {
+  const LinearisedTrial trial = rooms().run_linearised({});
+  const TrialResult plain = rooms().run({});
+  EXPECT_EQ(trial.result.nll, plain.nll);
+  EXPECT_EQ(trial.result.horizon_nll, plain.horizon_nll);
+}
+
+TEST(LinearTuning, AnImuThatKeepsToItsSpecificationComesOutAsOneFromWhereverItBegins) {
+  for (const double start : {0.1, 1.0, 30.0}) {
+    LinearTuningOptions options;
+    options.pool.jobs = 2;
+    int runs = 0;
+    options.on_run = [&runs](const FinishedTrial&) { ++runs; };
+    LinearTuning tuning(rooms(), of_white_noise(start), options);
+    ASSERT_TRUE(tuning.run({}));
+    EXPECT_TRUE(tuning.at_rest());
+    EXPECT_EQ(static_cast<std::size_t>(runs), tuning.rounds().size()) << "a run a round";
+    // From far too small a k, with which the run is lost, three runs look for a better beginning.
+    EXPECT_LE(tuning.rounds().size(), start < 1.0 ? 7U : 4U);
+    EXPECT_EQ(tuning.rounds()[0].at.imu.k_g, start);
+    const std::unique_ptr<NoiseEvaluator> evaluator = tuning.take_evaluator();
+    const NoiseScale& found = evaluator->evaluations()[tuning.outcome().best].setting.imu;
+    EXPECT_GT(found.k_g, 0.8) << start;
+    EXPECT_LT(found.k_g, 1.25) << start;
+    EXPECT_GT(found.k_a, 0.65) << start << ": 45 s tell it to some 15 %";
+    EXPECT_LT(found.k_a, 1.5) << start;
+    EXPECT_EQ(found.k_gb, 1.0) << "is not tuned";
+    ASSERT_EQ(tuning.outcome().profiles.size(), 2U);
+    EXPECT_EQ(tuning.outcome().profiles[0].verdict, ProfileVerdict::kTold);
+    ASSERT_TRUE(tuning.scan_fit().has_value());
+    EXPECT_GT(tuning.scan_fit()->setting.imu.k_g, 0.75);
+    EXPECT_LT(tuning.scan_fit()->setting.imu.k_g, 1.25);
+  }
+}
+
+TEST(LinearTuning, ATooNoisyGyroIsToldByItsKAndLostRunsAreLeftBehind) {
+  const LioConfig config = simulated_robot();
+  SimulatedDrive drive = simulate_drive("rooms", kSeconds, 4);
+  // Four times the specified white noise in all.
+  std::mt19937_64 bits(3);
+  std::normal_distribution<double> normal;
+  const double rate = static_cast<double>(drive.imu.size()) / kSeconds;
+  for (ImuSample& sample : drive.imu)
+    for (int axis = 0; axis < 3; ++axis)
+      sample.gyro[axis] += std::sqrt(15.0 * rate) * config.imu.spec.gyro.white[axis] * normal(bits);
+  std::vector<TuningBag> bags;
+  bags.push_back({"rooms", config, prepared(drive, config)});
+  const TrialProblem problem(std::move(bags), kSeed);
+  LinearTuningOptions options;
+  options.plan.with_profiles = false;
+  options.pool.jobs = 2;
+  LinearTuning tuning(problem, of_white_noise(1.0), options);
+  ASSERT_TRUE(tuning.run({}));
+  const NoiseScale found = tuning.rounds().back().found.imu;
+  EXPECT_GT(found.k_g, 3.2);
+  EXPECT_LT(found.k_g, 5.0);
+  // With k = 1 the run's errors over seconds are four times what it claims: others look for a better beginning.
+  std::set<double> tried;
+  for (const LinearRound& round : tuning.rounds()) tried.insert(round.at.imu.k_g);
+  for (const double k : {1.0, 3.0, 10.0, 30.0}) EXPECT_EQ(tried.count(k), 1U) << k;
+  EXPECT_EQ(tuning.rounds()[0].at.imu.k_g, 1.0);
+  EXPECT_LT(tuning.rounds().back().objective, tuning.rounds()[0].objective) << "of the runs themselves";
+}
+
+TEST(LinearTuning, WithoutASurvivingRunItKnowsNothing) {
+  NoiseProblem problem = of_white_noise(1.0);
+  const LioConfig config = simulated_robot();
+  SimulatedDrive drive = simulate_drive("rooms", 12.0, 4);
+  for (ImuSample& sample : drive.imu)
+    if (seconds_between(drive.imu.front().stamp, sample.stamp) > 5.0) sample.accel.x() += 400.0;
+  std::vector<TuningBag> bags;
+  bags.push_back({"rooms", config, prepared(drive, config)});
+  const TrialProblem trials(std::move(bags), kSeed);
+  LinearTuning tuning(trials, problem, {});
+  EXPECT_FALSE(tuning.run({}));
+  ASSERT_EQ(tuning.rounds().size(), 1U);
+  EXPECT_EQ(tuning.rounds()[0].diverged, 1U);
+  problem.objective = TuningObjective::kAte;
+  EXPECT_THROW(LinearTuning(trials, problem, {}), std::invalid_argument);
+}
+
+TEST(LinearTuning, StopsWhenAsked) {
+  std::atomic<bool> stop{true};
+  LinearTuningOptions options;
+  options.pool.stop = &stop;
+  LinearTuning tuning(rooms(), of_white_noise(1.0), options);
+  EXPECT_THROW(tuning.run({}), TrialsStopped);
+}
+
+}  // namespace
+}  // namespace allan_lio
