@@ -537,7 +537,7 @@ TEST(ShippedConfig, NoFileIsForgottenByTheseTests) {
                "imu/pseudo_imu, lidar/hesai, lidar/livox, lidar/ouster, lidar/robosense, lidar/velodyne16, "
                "lidar/velodyne32, lidar/velodyne64, lio, robots/kitti_0005, robots/simulated, robots/simulated_euroc, "
                "robots/simulated_livox_avia, robots/simulated_livox_mid360, robots/simulated_ouster64, "
-               "robots/simulated_velodyne32, suites/degenerate, suites/paper");
+               "robots/simulated_velodyne32, suites/degenerate, suites/degenerate_real, suites/paper");
     const std::string last = "suites/paper", text = error.what();
     EXPECT_EQ(text.find(last) + last.size(), text.size());
   }
