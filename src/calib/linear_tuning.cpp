@@ -36,6 +36,14 @@ RunTrials reported(const TrialEngine& engine, const OnFinished& on_finished) {
 
 }  // namespace
 
+std::size_t believed_round(const std::vector<LinearRound>& rounds) {
+  const auto likeliest = std::min_element(rounds.begin(), rounds.end(), [](const LinearRound& a, const LinearRound& b) {
+    return a.objective < b.objective;
+  });
+  const bool much_likelier = likeliest->objective < rounds.back().objective - kWorseRuns;
+  return much_likelier ? static_cast<std::size_t>(likeliest - rounds.begin()) : rounds.size() - 1;
+}
+
 LinearTuning::LinearTuning(const TrialProblem& trials, NoiseProblem problem, LinearTuningOptions options)
     : trials_(trials), problem_(std::move(problem)), options_(std::move(options)) {
   check_problem(problem_);
@@ -115,12 +123,10 @@ bool LinearTuning::run(const OnPhase& on_phase) {
 }
 
 void LinearTuning::believe_the_runs() {
-  const auto likeliest =
-      std::min_element(rounds_.begin(), rounds_.end(),
-                       [](const LinearRound& a, const LinearRound& b) { return a.objective < b.objective; });
-  if (!(likeliest->objective < rounds_.back().objective - kWorse)) return;
-  was_overruled_ = true;
-  outcome_.best = evaluator_->evaluate(likeliest->at);
+  const std::size_t believed = believed_round(rounds_);
+  was_overruled_ = believed + 1 < rounds_.size();
+  if (!was_overruled_) return;
+  outcome_.best = evaluator_->evaluate(rounds_[believed].at);
   outcome_.profiles.clear();
 }
 

@@ -128,6 +128,18 @@ TEST(LinearTuning, WithoutASurvivingRunItKnowsNothing) {
   EXPECT_THROW(LinearTuning(trials, problem, {}), std::invalid_argument);
 }
 
+TEST(LinearTuning, TheRunsOfAnEarlierRoundAreBelievedIfTheyAreMuchLikelier) {
+  std::vector<LinearRound> rounds(4);
+  rounds[0].objective = 500.0;
+  rounds[1].objective = -119.0;
+  rounds[2].objective = -117.0;
+  rounds[3].objective = -110.0;
+  EXPECT_EQ(believed_round(rounds), 3U) << "nine nats are chance";
+  rounds[1].objective = -121.0;
+  EXPECT_EQ(believed_round(rounds), 1U);
+  EXPECT_EQ(believed_round({rounds[0]}), 0U);
+}
+
 TEST(LinearTuning, StopsWhenAsked) {
   std::atomic<bool> stop{true};
   LinearTuningOptions options;

@@ -20,6 +20,12 @@ struct LinearRound {
   std::uint32_t runs = 0, diverged = 0;  ///< of the filter; bags with a diverged run are left out of the round
 };
 
+/// The round whose setting is believed: the last one, unless the runs of an earlier one are likelier by kWorseRuns; of
+/// several the likeliest. There must be one.
+std::size_t believed_round(const std::vector<LinearRound>& rounds);
+
+constexpr double kWorseRuns = 10.0;  ///< [nats], twice what planes that are matched or not make of a run
+
 struct LinearTuningOptions {
   TuningPlan plan;                 ///< search by likelihood
   bool estimate_nll_scale = true;  ///< from the first round's best on: HorizonScore's share, the average over the bags
@@ -34,8 +40,8 @@ struct LinearTuningOptions {
 /// good as the best (within kAsGood). Two to four rounds where runs of the filter with every setting were a hundred;
 /// and smooth, so that curvature and profiles are the data's and not those of planes that are matched or not.
 ///
-/// The last word have the runs: if those of an earlier round are likelier by kWorse than the last one's, its setting is
-/// the best, and there are no profiles.
+/// The last word have the runs: if those of an earlier round are likelier by kWorseRuns than the last one's, its
+/// setting is the best, and there are no profiles.
 ///
 /// A run that is lost is linearised about states that are wrong, and tells nothing of the right noise. So where the
 /// first runs are worse than they claim by kLost, runs with all tuned k alike at 3, 10 and 30 look for a better
@@ -43,7 +49,6 @@ struct LinearTuningOptions {
 class LinearTuning {
  public:
   static constexpr double kAsGood = 0.5;  ///< [nats]
-  static constexpr double kWorse = 10.0;  ///< [nats], twice what planes that are matched or not make of a run
   static constexpr int kMostRounds = 6;
   static constexpr double kLost = 4.0;  ///< NIS per degree of freedom over horizons (scan_nll: from scan to scan)
 
