@@ -37,8 +37,9 @@ struct LinearTuningOptions {
 
 /// The likelihood search without a run for every setting: the bags are run once with the setting at hand and
 /// linearised, the best setting by their linear filter is the next one at hand, and so on until the one at hand is as
-/// good as the best (within kAsGood). Two or three rounds, up to nine where runs are lost, instead of a hundred settings
-/// run; and smooth, so that curvature and profiles are the data's and not those of planes that are matched or not.
+/// good as the best (within kAsGood). Two or three rounds, up to nine where runs are lost, instead of a hundred
+/// settings run; and smooth, so that curvature and profiles are the data's and not those of planes that are matched or
+/// not.
 ///
 /// The last word have the runs: if those of an earlier round are likelier by kWorseRuns than the last one's, its
 /// setting is the best, and there are no profiles.
