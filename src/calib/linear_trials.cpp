@@ -3,29 +3,64 @@
 #include "allan_lio/calib/linear_trials.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
-
-#include "allan_lio/calib/noise_trial_run.h"
 
 namespace allan_lio {
 
-std::vector<LinearisedTrial> linearise(const TrialProblem& trials, const NoiseProblem& problem,
-                                       const NoiseSetting& setting, int jobs, const std::atomic<bool>* stop,
-                                       const OnTrial& on_trial) {
-  std::vector<NoiseTrial> asked;
+namespace {
+
+constexpr std::chrono::seconds kShown{30};  ///< until a network file system shows what a worker has written
+
+/// What a worker has made.
+LinearisedTrial fetch(const LinearRunFiles& files, const NoiseTrial& trial) {
+  const auto since = std::chrono::steady_clock::now();
+  for (;;) {
+    if (std::optional<LinearisedTrial> found = files.find(trial)) return std::move(*found);
+    if (std::chrono::steady_clock::now() - since > kShown) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+  throw std::runtime_error(files.problem().describe(trial) + ": the run left no linear run in " + files.directory());
+}
+
+}  // namespace
+
+LinearEngine make_linear_engine(const TrialProblem& problem, const std::string& directory, int jobs,
+                                const std::atomic<bool>* stop) {
+  auto files = std::make_shared<const LinearRunFiles>(problem, directory);
+  const RunTrial run = [files](const NoiseTrial& trial) { return files->get(trial).result; };
+  return {files, make_trial_pool(run, jobs, stop)};
+}
+
+std::vector<LinearisedTrial> linearise(const LinearEngine& engine, const NoiseProblem& problem,
+                                       const NoiseSetting& setting, const OnFinished& on_finished) {
+  std::vector<LinearisedTrial> runs;
   for (const std::uint32_t bag : problem.bags)
-    for (std::uint32_t run = 0; run < problem.runs; ++run) asked.push_back({bag, setting, run});
-  std::vector<LinearisedTrial> runs(asked.size());
-  const RunTrial run = [&](const NoiseTrial& trial) {
-    const auto bag = std::find(problem.bags.begin(), problem.bags.end(), trial.bag) - problem.bags.begin();
-    LinearisedTrial& place = runs[static_cast<std::size_t>(bag) * problem.runs + trial.run];  // each thread another
-    place = trials.run_linearised(trial);
-    return place.result;
+    for (std::uint32_t run = 0; run < problem.runs; ++run) runs.push_back({{bag, setting, run}, {}, {}});
+  std::size_t done = 0;
+  const auto finish = [&](const NoiseTrial& trial, const TrialResult& result, bool stored) {
+    ++done;
+    if (on_finished) on_finished({trial, result, stored, done, runs.size()});
   };
-  make_trial_pool(run, jobs, stop)(asked, on_trial);
+  std::vector<NoiseTrial> to_run;
+  std::vector<std::size_t> places;  // of those in `runs`
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (std::optional<LinearisedTrial> known = engine.files->find(runs[i].trial)) {
+      runs[i] = std::move(*known);
+      finish(runs[i].trial, runs[i].result, true);
+    } else {
+      to_run.push_back(runs[i].trial);
+      places.push_back(i);
+    }
+  }
+  if (to_run.empty()) return runs;
+  engine.run(to_run, [&](std::size_t i, const TrialResult& result) { finish(to_run[i], result, false); });
+  for (std::size_t i = 0; i < to_run.size(); ++i) runs[places[i]] = fetch(*engine.files, to_run[i]);
   return runs;
 }
 

@@ -44,8 +44,8 @@ std::size_t believed_round(const std::vector<LinearRound>& rounds) {
   return much_likelier ? static_cast<std::size_t>(likeliest - rounds.begin()) : rounds.size() - 1;
 }
 
-LinearTuning::LinearTuning(const TrialProblem& trials, NoiseProblem problem, LinearTuningOptions options)
-    : trials_(trials), problem_(std::move(problem)), options_(std::move(options)) {
+LinearTuning::LinearTuning(NoiseProblem problem, LinearTuningOptions options)
+    : problem_(std::move(problem)), options_(std::move(options)) {
   check_problem(problem_);
   if (!is_likelihood(problem_.objective))
     throw std::invalid_argument("a linear run knows no ground truth: its objective is nll or scan_nll");
@@ -54,14 +54,8 @@ LinearTuning::LinearTuning(const TrialProblem& trials, NoiseProblem problem, Lin
 
 LinearTuning::Runs LinearTuning::run_filter(const NoiseSetting& at, const OnPhase& on_phase) {
   if (on_phase) on_phase("runs of the filter, round " + std::to_string(rounds_.size() + 1), 1);
-  std::size_t done = 0;
-  const std::size_t asked = problem_.bags.size() * problem_.runs;
-  auto runs = std::make_shared<const std::vector<LinearisedTrial>>(linearise(
-      trials_, problem_, at, options_.pool.jobs, options_.pool.stop, [&](std::size_t i, const TrialResult& result) {
-        const auto bag = problem_.bags[i / problem_.runs];
-        const auto run = static_cast<std::uint32_t>(i % problem_.runs);
-        if (options_.on_run) options_.on_run({{bag, at, run}, result, false, ++done, asked});
-      }));
+  auto runs =
+      std::make_shared<const std::vector<LinearisedTrial>>(linearise(options_.engine, problem_, at, options_.on_run));
   LinearRound round;
   round.at = round.found = at;
   round.runs = static_cast<std::uint32_t>(runs->size());

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -72,20 +74,26 @@ std::string write_worker_problem(const std::string& directory, const TrialProble
   return file;
 }
 
-void run_worker(const std::string& problem, const std::string& trials, const std::string& results) {
+void run_worker(const std::string& problem, const std::string& trials, const std::string& results,
+                const std::string& linear_runs) {
   const std::vector<NoiseTrial> asked = read_trials(trials);
   std::set<std::uint32_t> bags;
   for (const NoiseTrial& trial : asked) bags.insert(trial.bag);
   const TrialProblem known = read_problem(problem, bags);
   std::vector<TrialResult> found;
-  for (const NoiseTrial& trial : asked) found.push_back(known.run(trial));
+  std::optional<LinearRunFiles> files;
+  if (!linear_runs.empty()) files.emplace(known, linear_runs);
+  for (const NoiseTrial& trial : asked) found.push_back(files ? files->get(trial).result : known.run(trial));
   write_results(results, found);
 }
 
-TrialEngine make_slurm_trials(const TrialProblem& problem, SlurmOptions options, const std::string& program) {
+namespace {
+
+TrialEngine slurm_trials(const TrialProblem& problem, SlurmOptions options, const std::string& program,
+                         const std::string& more_arguments) {
   options.worker = shell_quoted(program) + " --worker " +
                    shell_quoted(write_worker_problem(options.directory, problem)) +
-                   " --trials \"$TRIALS\" --results \"$RESULTS\"";
+                   " --trials \"$TRIALS\" --results \"$RESULTS\"" + more_arguments;
   make_slurm_engine(options);  // throws now if the options make no sense
   return [options](const std::vector<NoiseTrial>& trials, const OnTrial& on_trial) {
     std::map<std::string, std::size_t> places;
@@ -102,6 +110,19 @@ TrialEngine make_slurm_trials(const TrialProblem& problem, SlurmOptions options,
       throw TrialsStopped(done, trials.size());
     }
   };
+}
+
+}  // namespace
+
+TrialEngine make_slurm_trials(const TrialProblem& problem, SlurmOptions options, const std::string& program) {
+  return slurm_trials(problem, std::move(options), program, "");
+}
+
+LinearEngine make_slurm_linear_engine(const TrialProblem& problem, SlurmOptions options, const std::string& program) {
+  auto files = std::make_shared<const LinearRunFiles>(problem, options.directory + "/linear");
+  options.trials_per_task = 1;  // they are few and far between
+  return {files,
+          slurm_trials(problem, std::move(options), program, " --linear-runs " + shell_quoted(files->directory()))};
 }
 
 }  // namespace allan_lio

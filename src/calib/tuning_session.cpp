@@ -32,6 +32,18 @@ void write_poses(const std::string& path, const Trajectory& trajectory) {
 
 }  // namespace
 
+bool is_linear(const SessionSettings& settings) {
+  return settings.plan.search == TuningSearch::kLikelihood && !settings.plan.rerun &&
+         is_likelihood(settings.problem.objective);
+}
+
+bool every_run_diverges(const std::vector<BagComparison>& comparisons, std::size_t tuned_on) {
+  const auto end = comparisons.begin() + static_cast<std::ptrdiff_t>(std::min(tuned_on, comparisons.size()));
+  return end != comparisons.begin() && std::all_of(comparisons.begin(), end, [](const BagComparison& comparison) {
+           return comparison.after.result.diverged;
+         });
+}
+
 TuningSession::TuningSession(SessionSettings settings, const TrialProblem& problem, TrialEngine engine,
                              TrialStore* store, const std::atomic<bool>* stop, OnFinished on_finished)
     : settings_(std::move(settings)), problem_(problem), stop_(stop) {
@@ -44,23 +56,19 @@ TuningSession::TuningSession(SessionSettings settings, const TrialProblem& probl
   run_trials_ = cached(std::move(engine), problem, store, on_run_);
 }
 
-bool TuningSession::is_linear() const {
-  return settings_.plan.search == TuningSearch::kLikelihood && !settings_.plan.rerun &&
-         is_likelihood(settings_.problem.objective);
-}
-
 void TuningSession::tune_linear(const OnPhase& on_phase) {
   LinearTuningOptions options;
   options.plan = settings_.plan;
   options.estimate_nll_scale = settings_.estimate_nll_scale;
+  options.engine = settings_.linear;
   options.pool = {settings_.jobs, stop_};
   options.on_run = on_run_;
   options.on_linear = on_linear_;
-  auto tuning = std::make_unique<LinearTuning>(problem_, settings_.problem, options);
+  auto tuning = std::make_unique<LinearTuning>(settings_.problem, options);
   if (!tuning->run(on_phase)) {
     options.first = surviving_start(on_phase);
     if (!options.first) return tune_by_runs(on_phase);  // which says that all diverged
-    tuning = std::make_unique<LinearTuning>(problem_, settings_.problem, options);
+    tuning = std::make_unique<LinearTuning>(settings_.problem, options);
     if (!tuning->run(on_phase)) return tune_by_runs(on_phase);
   }
   settings_.report.rounds = tuning->rounds();
@@ -121,7 +129,7 @@ void TuningSession::run(const OnPhase& on_phase) {
   const NoiseSetting before = settings_.report.before;
   const std::vector<TracedRun> runs_before = run_traced(problem_, before, settings_.jobs, stop_);
   const NoiseProblem& problem = settings_.problem;
-  if (is_linear())
+  if (is_linear(settings_))
     tune_linear(on_phase);
   else
     tune_by_runs(on_phase);

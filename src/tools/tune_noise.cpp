@@ -85,6 +85,7 @@ void declare_engine(CLI::App& app, TuningArguments& a) {
   app.add_option("--worker", a.worker, "")->group("");
   app.add_option("--trials", a.trials, "")->group("");
   app.add_option("--results", a.results, "")->group("");
+  app.add_option("--linear-runs", a.linear_runs, "")->group("");
 }
 
 /// All bags, those tuned on first.
@@ -158,15 +159,24 @@ TuningReport report_of(const TuningArguments& a, const Bags& bags, const TrialPr
   return report;
 }
 
-TrialEngine engine_of(const TuningArguments& a, const TrialProblem& problem, const std::atomic<bool>& stop) {
-  if (a.engine == "local") return make_trial_pool(problem, a.jobs, &stop);
+SlurmOptions slurm_of(const TuningArguments& a, const std::atomic<bool>& stop) {
   SlurmOptions options;
   options.directory =
       std::filesystem::absolute(a.slurm_directory.empty() ? a.out + "/slurm" : a.slurm_directory).string();
   options.sbatch_arguments = a.slurm_arguments;
   options.poll_interval = a.slurm_poll;
   options.stop = &stop;
-  return make_slurm_trials(problem, options, sibling_program("tune_noise"));
+  return options;
+}
+
+TrialEngine engine_of(const TuningArguments& a, const TrialProblem& problem, const std::atomic<bool>& stop) {
+  if (a.engine == "local") return make_trial_pool(problem, a.jobs, &stop);
+  return make_slurm_trials(problem, slurm_of(a, stop), sibling_program("tune_noise"));
+}
+
+LinearEngine linear_engine_of(const TuningArguments& a, const TrialProblem& problem, const std::atomic<bool>& stop) {
+  if (a.engine == "local") return make_linear_engine(problem, a.out + "/linear", a.jobs, &stop);
+  return make_slurm_linear_engine(problem, slurm_of(a, stop), sibling_program("tune_noise"));
 }
 
 void require_truth(const TuningArguments& a, const TrialProblem& problem, std::uint32_t tuned_on) {
@@ -198,6 +208,7 @@ int run(const TuningArguments& a, const std::string& command) {
   TuningProgress progress(settings.problem.runs * bags.tuned_on);
   const TrialProblem problem = prepare_all(bags, a, stop.flag(), progress);
   require_truth(a, problem, bags.tuned_on);
+  if (is_linear(settings)) settings.linear = linear_engine_of(a, problem, stop.flag());
   const NoiseSetting before = settings.report.before;
   settings.report = report_of(a, bags, problem, command);
   settings.report.before = before;
@@ -214,7 +225,7 @@ int run(const TuningArguments& a, const std::string& command) {
   std::cout << summary_of(session) << std::flush;
   write_report(a.out);
   std::cout << "\nresults: " << a.out << "/report.html, best.yaml, tuning.yaml, trials.csv\n";
-  return session.best().diverged == session.best().trials.size() ? kFailed : 0;
+  return every_run_diverges(session.settings().report.comparisons, bags.tuned_on) ? kFailed : 0;
 }
 
 std::string command_line(int argc, char** argv) {
@@ -240,7 +251,10 @@ int main(int argc, char** argv) {
   declare_engine(app, arguments);
   try {
     app.parse(argc, argv);
-    if (!arguments.worker.empty()) return run_worker(arguments.worker, arguments.trials, arguments.results), 0;
+    if (!arguments.worker.empty()) {
+      run_worker(arguments.worker, arguments.trials, arguments.results, arguments.linear_runs);
+      return 0;
+    }
     if (arguments.jobs == 0) arguments.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     if (arguments.seeds.empty() && !arguments.suite.empty()) arguments.seeds = "1";
     return run(arguments, command_line(argc, argv));

@@ -6,10 +6,12 @@
 
 #include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <random>
 #include <set>
 
 #include "prepared_drive.h"
+#include "temporary_directory.h"
 
 namespace allan_lio {
 namespace {
@@ -26,6 +28,14 @@ const TrialProblem& rooms() {
     return TrialProblem(std::move(bags), kSeed);
   }();
   return problem;
+}
+
+/// With two threads.
+LinearTuningOptions options_of(const TrialProblem& problem, const TemporaryDirectory& directory) {
+  LinearTuningOptions options;
+  options.engine = make_linear_engine(problem, directory.path(), 2, nullptr);
+  options.pool.jobs = 2;
+  return options;
 }
 
 NoiseProblem of_white_noise(double start) {
@@ -56,11 +66,11 @@ TEST(LinearTuning, ALinearisedRunIsTheRun) {
 
 TEST(LinearTuning, AnImuThatKeepsToItsSpecificationComesOutAsOneFromWhereverItBegins) {
   for (const double start : {0.1, 1.0, 30.0}) {
-    LinearTuningOptions options;
-    options.pool.jobs = 2;
+    const TemporaryDirectory directory;
+    LinearTuningOptions options = options_of(rooms(), directory);
     int runs = 0;
     options.on_run = [&runs](const FinishedTrial&) { ++runs; };
-    LinearTuning tuning(rooms(), of_white_noise(start), options);
+    LinearTuning tuning(of_white_noise(start), options);
     ASSERT_TRUE(tuning.run({}));
     EXPECT_TRUE(tuning.at_rest());
     EXPECT_EQ(static_cast<std::size_t>(runs), tuning.rounds().size()) << "a run a round";
@@ -95,10 +105,10 @@ TEST(LinearTuning, ATooNoisyGyroIsToldByItsKAndLostRunsAreLeftBehind) {
   std::vector<TuningBag> bags;
   bags.push_back({"rooms", config, prepared(drive, config)});
   const TrialProblem problem(std::move(bags), kSeed);
-  LinearTuningOptions options;
+  const TemporaryDirectory directory;
+  LinearTuningOptions options = options_of(problem, directory);
   options.plan.with_profiles = false;
-  options.pool.jobs = 2;
-  LinearTuning tuning(problem, of_white_noise(1.0), options);
+  LinearTuning tuning(of_white_noise(1.0), options);
   ASSERT_TRUE(tuning.run({}));
   const NoiseScale found = tuning.rounds().back().found.imu;
   EXPECT_GT(found.k_g, 3.2);
@@ -120,12 +130,13 @@ TEST(LinearTuning, WithoutASurvivingRunItKnowsNothing) {
   std::vector<TuningBag> bags;
   bags.push_back({"rooms", config, prepared(drive, config)});
   const TrialProblem trials(std::move(bags), kSeed);
-  LinearTuning tuning(trials, problem, {});
+  const TemporaryDirectory directory;
+  LinearTuning tuning(problem, options_of(trials, directory));
   EXPECT_FALSE(tuning.run({}));
   ASSERT_EQ(tuning.rounds().size(), 1U);
   EXPECT_EQ(tuning.rounds()[0].diverged, 1U);
   problem.objective = TuningObjective::kAte;
-  EXPECT_THROW(LinearTuning(trials, problem, {}), std::invalid_argument);
+  EXPECT_THROW(LinearTuning(problem, {}), std::invalid_argument);
 }
 
 TEST(LinearTuning, TheRunsOfAnEarlierRoundAreBelievedIfTheyAreMuchLikelier) {
@@ -140,11 +151,38 @@ TEST(LinearTuning, TheRunsOfAnEarlierRoundAreBelievedIfTheyAreMuchLikelier) {
   EXPECT_EQ(believed_round({rounds[0]}), 0U);
 }
 
+TEST(LinearTuning, WhatIsInTheDirectoryIsNotRunAgainAndTheResultIsTheSame) {
+  const TemporaryDirectory directory;
+  std::vector<LinearRound> rounds[2];
+  std::size_t stored[2] = {0, 0}, finished[2] = {0, 0};
+  for (const int pass : {0, 1}) {
+    LinearTuningOptions options = options_of(rooms(), directory);
+    options.plan.with_profiles = false;
+    options.on_run = [&](const FinishedTrial& trial) { ++finished[pass], stored[pass] += trial.stored ? 1 : 0; };
+    LinearTuning tuning(of_white_noise(1.0), options);
+    ASSERT_TRUE(tuning.run({}));
+    rounds[pass] = tuning.rounds();
+    const std::filesystem::directory_iterator files(directory.path());
+    if (pass == 0) std::filesystem::remove(files->path());  // one of them is to be run again
+  }
+  EXPECT_EQ(stored[0], 0U);
+  EXPECT_EQ(finished[1], finished[0]);
+  EXPECT_EQ(stored[1], finished[0] - 1);
+  ASSERT_EQ(rounds[1].size(), rounds[0].size());
+  for (std::size_t i = 0; i < rounds[0].size(); ++i) {
+    EXPECT_TRUE(same_setting(rounds[1][i].found, rounds[0][i].found)) << i;
+    EXPECT_EQ(rounds[1][i].objective, rounds[0][i].objective) << i;
+    EXPECT_EQ(rounds[1][i].errors.view, rounds[0][i].errors.view) << i;
+  }
+}
+
 TEST(LinearTuning, StopsWhenAsked) {
   std::atomic<bool> stop{true};
+  const TemporaryDirectory directory;
   LinearTuningOptions options;
+  options.engine = make_linear_engine(rooms(), directory.path(), 1, &stop);
   options.pool.stop = &stop;
-  LinearTuning tuning(rooms(), of_white_noise(1.0), options);
+  LinearTuning tuning(of_white_noise(1.0), options);
   EXPECT_THROW(tuning.run({}), TrialsStopped);
 }
 

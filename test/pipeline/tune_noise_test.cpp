@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <sstream>
 #include <thread>
@@ -73,10 +74,13 @@ class Running {
 
   /// Waits until so many trials are in the store, sends the signal and waits for the end. Gives the shell's status.
   int end(int signal, const std::string& store, std::size_t trials) const {
-    for (int i = 0; i < 3000 && !std::filesystem::exists(status_); ++i) {
-      if (std::filesystem::exists(store) && TrialStore(store).size() >= trials) break;
+    return end(signal, [&] { return std::filesystem::exists(store) && TrialStore(store).size() >= trials; });
+  }
+
+  /// Waits until it is time, sends the signal and waits for the end.
+  int end(int signal, const std::function<bool()>& is_time) const {
+    for (int i = 0; i < 3000 && !std::filesystem::exists(status_) && !is_time(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
     if (!std::filesystem::exists(status_)) kill(pid_, signal);
     for (int i = 0; i < 3000 && !std::filesystem::exists(status_); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -135,6 +139,33 @@ TEST(TuneNoise, KilledAndStartedAgainItEndsWithTheSameResultToTheLastDigit) {
   const Outcome again = run_tool(grid_of(values, killed.path()));
   ASSERT_EQ(again.status, 0) << again.text;
   expect_same_results(killed, whole);
+}
+
+std::map<std::string, std::filesystem::file_time_type> files_in(const std::string& directory) {
+  std::map<std::string, std::filesystem::file_time_type> found;
+  if (std::filesystem::exists(directory))
+    for (const auto& entry : std::filesystem::directory_iterator(directory))
+      found[entry.path().filename().string()] = entry.last_write_time();
+  return found;
+}
+
+TEST(TuneNoise, ALikelihoodSearchThatWasInterruptedGoesOnWithTheRunsThatItHas) {
+  const TemporaryDirectory whole, interrupted;
+  const std::string likelihood = with_truth() + " --params k_g,k_a --runs 2 --jobs 1 --out ";
+  ASSERT_EQ(run_tool(likelihood + whole.path()).status, 0);
+  const std::size_t all = files_in(whole.file("linear")).size();
+  ASSERT_GE(all, 4U);
+  const Running running(likelihood + interrupted.path(), interrupted.path());
+  EXPECT_EQ(running.end(SIGTERM, [&] { return !files_in(interrupted.file("linear")).empty(); }), 130)
+      << contents_of(interrupted.file("log"));
+  const auto before = files_in(interrupted.file("linear"));
+  EXPECT_LT(before.size(), all);
+  const Outcome again = run_tool(likelihood + interrupted.path());
+  ASSERT_EQ(again.status, 0) << again.text;
+  expect_same_results(interrupted, whole);
+  const auto after = files_in(interrupted.file("linear"));
+  EXPECT_EQ(after.size(), all);
+  for (const auto& [name, time] : before) EXPECT_EQ(after.at(name), time) << name << " was made again";
 }
 
 TEST(TuneNoise, WhatIsInTheStoreIsNotRunAgain) {
@@ -238,12 +269,7 @@ TEST(TuneNoise, ASuiteIsSimulatedReadAndRemoved) {
   ASSERT_EQ(run.status, 0) << run.text;
   expect_text(run.text, {"a_1: ATE", "a_2 (held out): ATE"});
   const std::string trials = contents_of(out.file("out/trials.csv"));
-  const auto records = [&out] {
-    std::map<std::string, std::filesystem::file_time_type> found;
-    for (const auto& entry : std::filesystem::directory_iterator(out.file("out/records")))
-      found[entry.path().filename().string()] = entry.last_write_time();
-    return found;
-  };
+  const auto records = [&out] { return files_in(out.file("out/records")); };
   const auto made = records();
   ASSERT_EQ(made.size(), 2U) << "of the bags only the prepared records are left";
   EXPECT_EQ(made.begin()->first.substr(made.begin()->first.size() - 4), ".bin");
@@ -262,6 +288,16 @@ TEST(TuneNoise, SlurmGivesTheLocalEnginesResultsTrialByTrial) {
                                shell_quoted(slurm.file("it's shared")));
   ASSERT_EQ(run.status, 0) << run.text;
   expect_same_results(slurm, local);
+
+  // A likelihood search: runs whose linear runs come through the shared directory.
+  const TemporaryDirectory linear_local, linear_slurm;
+  const std::string likelihood = with_truth() + " --params k_g --profile none --out ";
+  ASSERT_EQ(run_tool(likelihood + linear_local.path()).status, 0);
+  const Outcome linear = run_tool(likelihood + linear_slurm.path() + " --engine slurm --slurm-poll 0.1");
+  ASSERT_EQ(linear.status, 0) << linear.text;
+  expect_same_results(linear_slurm, linear_local);
+  EXPECT_EQ(files_in(linear_slurm.file("slurm/linear")).size(), files_in(linear_local.file("linear")).size());
+  EXPECT_FALSE(std::filesystem::exists(linear_slurm.file("linear"))) << "no run was made here";
 }
 
 TEST(TuneNoise, BadUseIsToldAndEndsWithTwo) {

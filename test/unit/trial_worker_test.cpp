@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
 
@@ -94,6 +95,98 @@ TEST(TrialWorker, GivesTheBitsOfTheProcessThatWroteTheProblem) {
     EXPECT_EQ(results[i].ate, expected.ate);
     EXPECT_FALSE(results[i].diverged);
   }
+}
+
+bool same_bits(const LinearScan& a, const LinearScan& b) {
+  return a.time == b.time && a.step == b.step && a.phi == b.phi && a.noise == b.noise && a.bridged == b.bridged &&
+         a.correction == b.correction && a.rows.rows() == b.rows.rows() && a.rows == b.rows &&
+         a.map_rows == b.map_rows && a.measured == b.measured && a.variances == b.variances &&
+         a.log_gram == b.log_gram && a.view_noise == b.view_noise && a.view_kept == b.view_kept &&
+         a.deskewed == b.deskewed;
+}
+
+void expect_same_bits(const LinearisedTrial& a, const LinearisedTrial& b) {
+  EXPECT_TRUE(a.trial.bag == b.trial.bag && a.trial.run == b.trial.run &&
+              same_setting(a.trial.setting, b.trial.setting));
+  EXPECT_EQ(a.result.ate, b.result.ate);
+  EXPECT_EQ(a.result.end_error, b.result.end_error);
+  EXPECT_EQ(a.result.nll, b.result.nll);
+  EXPECT_EQ(a.result.nis, b.result.nis);
+  EXPECT_EQ(a.result.nis_dof, b.result.nis_dof);
+  EXPECT_EQ(a.result.horizon_nll, b.result.horizon_nll);
+  EXPECT_EQ(a.result.horizon_nis, b.result.horizon_nis);
+  EXPECT_EQ(a.result.horizon_dof, b.result.horizon_dof);
+  EXPECT_EQ(a.result.horizon_share, b.result.horizon_share);
+  EXPECT_EQ(a.result.scans, b.result.scans);
+  EXPECT_EQ(a.result.diverged, b.result.diverged);
+  EXPECT_EQ(a.run.initial_covariance, b.run.initial_covariance);
+  EXPECT_EQ(a.run.gyro_psd, b.run.gyro_psd);
+  EXPECT_EQ(a.run.k_r, b.run.k_r);
+  ASSERT_EQ(a.run.scans.size(), b.run.scans.size());
+  for (std::size_t i = 0; i < a.run.scans.size(); ++i) EXPECT_TRUE(same_bits(a.run.scans[i], b.run.scans[i])) << i;
+}
+
+TEST(TrialWorker, LeavesTheLinearRunsOfTheProcessThatWroteTheProblem) {
+  const TemporaryDirectory directory;
+  const TrialProblem problem = two_bags();
+  NoiseTrial trial{0, {}, 2};
+  trial.setting.imu.k_a = 1.0 / 3.0;
+  write_trials(directory.file("trials"), {trial});
+  run_worker(write_worker_problem(directory.file("shared"), problem), directory.file("trials"),
+             directory.file("results"), directory.file("linear"));
+  const LinearRunFiles files(problem, directory.file("linear"));
+  const std::optional<LinearisedTrial> found = files.find(trial);
+  ASSERT_TRUE(found);
+  const LinearisedTrial expected = problem.run_linearised(trial);
+  ASSERT_GT(expected.run.scans.size(), 30U);
+  expect_same_bits(*found, expected);
+  EXPECT_EQ(read_results(directory.file("results")).at(0).nll, expected.result.nll);
+}
+
+TEST(LinearRunFiles, TellOneRunFromAnother) {
+  const TemporaryDirectory directory;
+  const TrialProblem problem = two_bags();
+  const LinearRunFiles files(problem, directory.file("linear"));
+  const NoiseTrial trial{0, {}, 1};
+  EXPECT_FALSE(files.find(trial));
+  files.put(problem.run_linearised(trial));
+  EXPECT_TRUE(files.find(trial));
+  NoiseTrial other_setting = trial;
+  other_setting.setting.k_r = std::nextafter(1.0, 2.0);
+  for (const NoiseTrial& other : {NoiseTrial{1, {}, 1}, NoiseTrial{0, {}, 0}, other_setting})
+    EXPECT_FALSE(files.find(other));
+}
+
+TEST(LinearRunFiles, WhatIsDamagedOrCutOffIsRunAgain) {
+  const TemporaryDirectory directory;
+  const TrialProblem problem = two_bags();
+  const LinearRunFiles files(problem, directory.file("linear"));
+  const NoiseTrial trial{1, {}, 0};
+  const LinearisedTrial made = files.get(trial);
+  const std::string path = std::filesystem::directory_iterator(directory.file("linear"))->path().string();
+  const std::string whole = contents_of(path);
+  for (const std::size_t length : {whole.size() - 1, whole.size() / 2, std::size_t{10}, std::size_t{0}}) {
+    write_whole(path, whole.substr(0, length));
+    EXPECT_FALSE(files.find(trial)) << length;
+  }
+  for (const std::size_t place :
+       {std::size_t{3}, std::size_t{40}, std::size_t{97}, whole.size() / 2, whole.size() - 3}) {
+    std::string damaged = whole;
+    damaged[place] = static_cast<char>(damaged[place] ^ 0x40);
+    write_whole(path, damaged);
+    EXPECT_FALSE(files.find(trial)) << place;
+  }
+  write_whole(path, whole + "x");
+  expect_same_bits(files.get(trial), made);
+  EXPECT_EQ(contents_of(path), whole);
+}
+
+TEST(LinearRunFiles, ADirectoryThatCannotBeMadeIsNamed) {
+  const TemporaryDirectory directory;
+  write_whole(directory.file("file"), "");
+  const TrialProblem problem = two_bags();
+  EXPECT_NE(refusal([&] { LinearRunFiles(problem, directory.file("file/linear")); }).find("file/linear"),
+            std::string::npos);
 }
 
 TEST(TrialWorker, AnotherBuildsProblemAndAMissingRecordAreRefused) {

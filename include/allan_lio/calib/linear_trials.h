@@ -5,18 +5,30 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "allan_lio/calib/linear_likelihood.h"
+#include "allan_lio/calib/linear_run_files.h"
 #include "allan_lio/calib/noise_problem.h"
 #include "allan_lio/calib/trial_pool.h"
 
 namespace allan_lio {
 
-/// The problem's runs with one setting, `jobs` at a time. `on_trial` as of TrialEngine; throws as one does.
-std::vector<LinearisedTrial> linearise(const TrialProblem& trials, const NoiseProblem& problem,
-                                       const NoiseSetting& setting, int jobs, const std::atomic<bool>* stop,
-                                       const OnTrial& on_trial);
+/// Where runs of the filter are made, and where they leave their linear runs.
+struct LinearEngine {
+  std::shared_ptr<const LinearRunFiles> files;
+  TrialEngine run;  ///< leaves the linear run of each of its trials in `files`
+};
+
+/// On `jobs` threads of this machine; the arguments as of make_trial_pool() and LinearRunFiles.
+LinearEngine make_linear_engine(const TrialProblem& problem, const std::string& directory, int jobs,
+                                const std::atomic<bool>* stop);
+
+/// The problem's runs with one setting; those whose files are there already are not made again. `on_finished` (may be
+/// empty) as cached() has it. Throws what the engine throws, and std::runtime_error if it left no linear run.
+std::vector<LinearisedTrial> linearise(const LinearEngine& engine, const NoiseProblem& problem,
+                                       const NoiseSetting& setting, const OnFinished& on_finished);
 
 /// How threads are used on linear runs.
 struct LinearPool {

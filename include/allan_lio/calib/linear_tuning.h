@@ -30,9 +30,10 @@ struct LinearTuningOptions {
   TuningPlan plan;                 ///< search by likelihood
   bool estimate_nll_scale = true;  ///< from the first round's best on: HorizonScore's share, the average over the bags
   std::optional<NoiseSetting> first;  ///< where the first runs are made, if not at the problem's start
-  LinearPool pool;
-  OnFinished on_run;     ///< of the filter; may be empty
-  OnFinished on_linear;  ///< of the linear filter; may be empty
+  LinearEngine engine;                ///< of the runs of the filter; needed
+  LinearPool pool;                    ///< of the linear filter
+  OnFinished on_run;                  ///< of the filter; may be empty
+  OnFinished on_linear;               ///< of the linear filter; may be empty
 };
 
 /// The likelihood search without a run for every setting: the bags are run once with the setting at hand and
@@ -53,8 +54,8 @@ class LinearTuning {
   static constexpr int kMostRounds = 6;
   static constexpr double kLost = 4.0;  ///< NIS per degree of freedom over horizons (scan_nll: from scan to scan)
 
-  /// `trials` must outlive it. Throws std::invalid_argument as check_problem does, or if the objective is ATE.
-  LinearTuning(const TrialProblem& trials, NoiseProblem problem, LinearTuningOptions options);
+  /// Throws std::invalid_argument as check_problem does, or if the objective is ATE.
+  LinearTuning(NoiseProblem problem, LinearTuningOptions options);
 
   /// False if every run of the first round diverged; then nothing is known. Throws what engines throw.
   bool run(const OnPhase& on_phase);
@@ -85,7 +86,6 @@ class LinearTuning {
   void believe_the_runs();
   double mean_share() const;
 
-  const TrialProblem& trials_;
   NoiseProblem problem_;
   LinearTuningOptions options_;
   std::vector<LinearRound> rounds_;

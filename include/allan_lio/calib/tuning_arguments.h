@@ -25,8 +25,8 @@ struct TuningArguments {
   int jobs = 0;
   std::string engine = "local", slurm_directory;
   std::vector<std::string> slurm_arguments;
-  double slurm_poll = 2.0;              ///< [s]
-  std::string worker, trials, results;  ///< of a Slurm task
+  double slurm_poll = 2.0;                           ///< [s]
+  std::string worker, trials, results, linear_runs;  ///< of a Slurm task
 };
 
 /// Throws std::invalid_argument with a sentence that names the options that do not go together or are missing.

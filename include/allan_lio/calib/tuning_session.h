@@ -28,7 +28,14 @@ struct SessionSettings {
   TuningReport report;    ///< without the comparisons; `before` is the configuration's noise
   std::string directory;  ///< of the files
   int jobs = 1;           ///< for the runs before and after
+  LinearEngine linear;    ///< needed if is_linear()
 };
+
+/// Whether the search judges most settings on linear runs.
+bool is_linear(const SessionSettings& settings);
+
+/// Whether in none of the first `tuned_on` bags the run with the best setting is of use; false if there are no bags.
+bool every_run_diverges(const std::vector<BagComparison>& comparisons, std::size_t tuned_on);
 
 /// A tuning from its trials to its files: before.tum and after.tum of every bag with reference.tum, tuning.yaml,
 /// best.yaml, trials.csv. The same settings, the same files, whatever was in the store already.
@@ -56,8 +63,6 @@ class TuningSession {
  private:
   /// The first search: sets problem.nll_scale and gives the settings that it tried.
   std::vector<NoiseSetting> measure_nll_scale(const OnPhase& on_phase);
-  /// Whether most settings are judged on linear runs.
-  bool is_linear() const;
   void tune_linear(const OnPhase& on_phase);
   std::optional<NoiseSetting> surviving_start(const OnPhase& on_phase);
   void tune_by_runs(const OnPhase& on_phase);
