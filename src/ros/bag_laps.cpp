@@ -2,8 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/ros/bag_laps.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <sstream>
+
+#include "allan_lio/ros/conversions.h"
 
 namespace allan_lio {
 namespace {
@@ -56,17 +61,19 @@ void BagLaps::begin_lap() {
     if (count_ < 2 || last_ <= first_)
       throw BagError("the stamps of " + measured_ + " do not tell how long a lap is: there is no second one");
     const double share = static_cast<double>(count_) / static_cast<double>(count_ - 1);
-    period_.fromSec((last_ - first_).toSec() * share);
+    period_ = std::llround(static_cast<double>(to_time_ns(last_) - to_time_ns(first_)) * share);
+    if (period_ > std::numeric_limits<TimeNs>::max() / 2 / static_cast<TimeNs>(std::max<std::uint64_t>(laps_, 1)))
+      throw BagError("the stamps of " + measured_ + " are too far apart for a lap's");
   }
   ++lap_;
   bags_ = std::make_unique<BagSource>(files_);
 }
 
 void BagLaps::shift(BagMessage& message) {
-  const ros::Duration late = period_ * static_cast<double>(lap_);
-  message.time += late;
+  const TimeNs late = period_ * static_cast<TimeNs>(lap_);
+  message.time = to_ros_time(to_time_ns(message.time) + late);
   if (message.bytes.size() < kStampOffset + 8 || !has_header(*message.connection)) return;
-  write_stamp(read_stamp(message.bytes) + late, message.bytes);
+  write_stamp(to_ros_time(to_time_ns(read_stamp(message.bytes)) + late), message.bytes);
 }
 
 bool BagLaps::next(BagMessage& message) {

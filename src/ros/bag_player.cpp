@@ -10,6 +10,7 @@
 
 #include <stdexcept>
 
+#include "allan_lio/ros/conversions.h"
 #include "allan_lio/ros/raw_cloud.h"
 
 namespace allan_lio {
@@ -105,10 +106,10 @@ void BagPlayer::pace(const ros::Time& time) {
     wall_begin_ = ros::WallTime::now();
   }
   if (rate_ > 0.0) {
-    const ros::WallTime due = wall_begin_ + ros::WallDuration((time - begin_).toSec() / rate_);
+    const ros::WallTime due = wall_begin_ + ros::WallDuration(seconds_between(begin_, time) / rate_);
     while (ros::ok() && ros::WallTime::now() < due) nap();
   }
-  if (!last_clock_.isZero() && (time - last_clock_).toSec() < kClockStep) return;
+  if (!last_clock_.isZero() && seconds_between(last_clock_, time) < kClockStep) return;
   last_clock_ = time;
   rosgraph_msgs::Clock clock;
   clock.clock = time;

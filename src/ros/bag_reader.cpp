@@ -9,6 +9,7 @@
 #include <map>
 
 #include "allan_lio/ros/bag_salvage.h"
+#include "allan_lio/ros/conversions.h"
 
 namespace allan_lio {
 namespace {
@@ -47,7 +48,7 @@ class IndexedBag : public BagReader {
       instance.write(stream);
       ++next_;
     } catch (const std::exception& error) {
-      trouble_ = file_ + " is damaged, reading stopped after " + std::to_string((message.time - begin_).toSec()) +
+      trouble_ = file_ + " is damaged, reading stopped after " + std::to_string(seconds_between(begin_, message.time)) +
                  " s: " + error.what();
       return false;
     }

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "allan_lio/ros/bag_format.h"
+#include "allan_lio/ros/conversions.h"
 
 namespace allan_lio {
 
@@ -84,7 +85,9 @@ bool BagSalvage::walk_chunk(std::size_t chunk) {
     if (op == kConnectionOp) {
       add_connection(header, bytes.data() + at, size);
     } else if (op == kMessageOp && find_field(header, "conn").get(&message.connection) && time.size == 8) {
-      message.time = ros::Time(load_number<std::uint32_t>(time.data), load_number<std::uint32_t>(time.data + 4));
+      // Whatever stands there: ros::Time's constructor throws if the nanoseconds take it beyond the last second.
+      message.time = to_ros_time(TimeNs{load_number<std::uint32_t>(time.data)} * kNsPerSecond +
+                                 load_number<std::uint32_t>(time.data + 4));
       messages_.push_back(message);
     }
     at += size;

@@ -35,6 +35,10 @@ ros::Time to_ros_time(TimeNs time) {
   return {static_cast<std::uint32_t>(held / kNsPerSecond), static_cast<std::uint32_t>(held % kNsPerSecond)};
 }
 
+double seconds_between(const ros::Time& from, const ros::Time& to) {
+  return seconds_between(to_time_ns(from), to_time_ns(to));
+}
+
 ImuSample to_imu_sample(const sensor_msgs::Imu& message) {
   return {to_time_ns(message.header.stamp), from_vector(message.angular_velocity),
           from_vector(message.linear_acceleration)};

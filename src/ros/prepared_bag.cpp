@@ -104,11 +104,11 @@ PreparedBag prepare_bag(const std::vector<std::string>& files, const LioConfig& 
                         const GoOn& go_on) {
   BagSource bags = open_lio_bags(files, config.topics);
   Recorder recorder(config, joined(files));
-  const double length = (bags.end() - bags.begin()).toSec();
+  const double length = seconds_between(bags.begin(), bags.end());
   BagMessage message;
   while (bags.next(message)) {
     recorder.add(message);
-    const double part = length > 0.0 ? (message.time - bags.begin()).toSec() / length : 1.0;
+    const double part = length > 0.0 ? seconds_between(bags.begin(), message.time) / length : 1.0;
     if (go_on && !go_on(part)) throw BagError(joined(files) + ": stopped while it was read");
   }
   PreparedBag bag = recorder.finish(bags.troubles());

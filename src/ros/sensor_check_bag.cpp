@@ -98,14 +98,14 @@ SensorCheck check_bags(const std::vector<std::string>& files, const std::string&
 
   Probes<ImuProbe> imus;
   Probes<LidarProbe> lidars;
-  const double length = (bags.end() - bags.begin()).toSec();
+  const double length = seconds_between(bags.begin(), bags.end());
   if (!topics.empty()) bags.select(topics);
   BagMessage message;
   while (!topics.empty() && bags.next(message)) {
     const BagConnection& c = *message.connection;
     if (is_imu(c)) imus.try_emplace(c.topic, c).first->second.add(message);
     if (is_cloud(c)) lidars.try_emplace(c.topic, c).first->second.add(message);
-    const double part = length > 0.0 ? (message.time - bags.begin()).toSec() / length : 1.0;
+    const double part = length > 0.0 ? seconds_between(bags.begin(), message.time) / length : 1.0;
     if (progress && !progress(part)) throw BagError("stopped while the bag was read");
   }
   if (ImuProbe* imu = fullest(imus, check.other_topics)) check.imu = imu->finish();

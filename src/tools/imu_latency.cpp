@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "allan_lio/ros/bag_source.h"
+#include "allan_lio/ros/conversions.h"
 #include "allan_lio/ros/thread_priority.h"
 
 namespace {
@@ -88,7 +89,7 @@ void play(const std::string& file, const std::string& topic, const ros::Publishe
   const ros::Time first = bag.begin();
   for (BagMessage recorded; ros::ok() && bag.next(recorded);) {
     const auto message = recorded.as<Message>();
-    ros::WallTime::sleepUntil(ros::WallTime(begin + (recorded.time - first).toSec()));
+    ros::WallTime::sleepUntil(ros::WallTime(begin + allan_lio::seconds_between(first, recorded.time)));
     on_send(*message);
     publisher.publish(message);
   }

@@ -10,6 +10,7 @@
 #include "allan_lio/io/whole_file.h"
 #include "allan_lio/io/yaml_source.h"
 #include "allan_lio/ros/config_dirs.h"
+#include "allan_lio/ros/conversions.h"
 #include "allan_lio/ros/lio_bag.h"
 #include "allan_lio/ros/lio_session.h"
 #include "allan_lio/ros/save_map.h"
@@ -49,10 +50,10 @@ LioConfig read(const Arguments& a) {
 /// A bar on a terminal, nothing elsewhere.
 class ProgressBar {
  public:
-  ProgressBar(ros::Time begin, ros::Time end) : begin_(begin), length_((end - begin).toSec()) {}
+  ProgressBar(ros::Time begin, ros::Time end) : begin_(begin), length_(seconds_between(begin, end)) {}
   ~ProgressBar() { clear(); }
   void show(ros::Time now) {
-    const int percent = length_ > 0 ? static_cast<int>(100 * (now - begin_).toSec() / length_) : 100;
+    const int percent = length_ > 0 ? static_cast<int>(100 * seconds_between(begin_, now) / length_) : 100;
     if (!terminal_ || percent == percent_ || percent < 0 || percent > 100) return;
     percent_ = percent;
     const std::string done(static_cast<std::size_t>(percent / 2), '#');

@@ -65,6 +65,23 @@ TEST_F(BadInput, ABagWithoutItsImuTopicIsRefusedByTheTopicsName) {
                  "no topic /velodyne; its topics of type sensor_msgs/PointCloud2: /points");
 }
 
+TEST_F(BadInput, AMessageThatWasRecordedInAnotherCenturyCostsNoOther) {
+  const std::string bag = directory_.file("wild.bag");
+  copy_bag(bag, true, true);
+  {
+    rosbag::Bag more(bag, rosbag::bagmode::Append);
+    sensor_msgs::Imu imu;
+    imu.header.stamp = ros::Time(0xffffffffU, 5);
+    more.write("/imu/data", imu.header.stamp, imu);
+  }
+  const Outcome run = run_lio_offline(bag, out_);
+  EXPECT_EQ(run.status, 0) << run.text;
+  EXPECT_NE(run.text.find("60 of 60 scans used"), std::string::npos) << run.text;
+  const Outcome check = run_tool("check_bag " + bag);
+  EXPECT_NE(check.text.find("/points"), std::string::npos) << check.text;
+  EXPECT_EQ(check.text.find("out of dual 32-bit range"), std::string::npos) << check.text;
+}
+
 TEST_F(BadInput, CloudsWithoutPointTimesAreRefusedUnlessDeskewIsTurnedOff) {
   const std::string bag = directory_.file("no_time.bag");
   copy_bag(bag, true, false);

@@ -14,6 +14,8 @@
 #include <random>
 #include <sstream>
 
+#include "allan_lio/ros/conversions.h"
+
 namespace allan_lio {
 namespace {
 
@@ -128,6 +130,27 @@ TEST_F(BagSourceTest, a_bag_without_index_gives_the_same_messages_and_says_so) {
     ASSERT_EQ(salvaged.troubles().size(), 1U);
     EXPECT_NE(salvaged.troubles().front().find("no usable index"), std::string::npos);
   }
+}
+
+TEST_F(BagSourceTest, a_time_beyond_all_that_ros_knows_is_held_and_costs_no_message) {
+  const std::string file = write_bag("wild.bag", rosbag::compression::Uncompressed);
+  forget_index(file);
+  std::ifstream in(file, std::ios::binary);
+  std::stringstream all;
+  all << in.rdbuf();
+  std::string bytes = all.str();
+  // The last second's time with a second and more of nanoseconds: the nearest that there is.
+  const std::uint32_t usual[] = {150, 5}, wild[] = {0xffffffffU, 4000000000U};
+  const std::string of_message(reinterpret_cast<const char*>(usual), sizeof usual);
+  std::size_t at = bytes.find("time=" + of_message);
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at + 5, of_message.size(), reinterpret_cast<const char*>(wild), sizeof wild);
+  std::ofstream(file, std::ios::binary) << bytes;
+  BagSource source({file});
+  const std::vector<BagMessage> found = read_all(source);
+  EXPECT_EQ(found.size(), static_cast<std::size_t>(kMessages + (kMessages + 2) / 3));
+  EXPECT_EQ(found.back().time, ros::Time(0xffffffffU, 999999999U));
+  EXPECT_GT(seconds_between(source.begin(), source.end()), 4e9);
 }
 
 TEST_F(BagSourceTest, a_bag_that_is_cut_off_gives_what_there_is) {

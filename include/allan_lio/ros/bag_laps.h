@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "allan_lio/math/time.h"
 #include "allan_lio/ros/bag_source.h"
 
 namespace allan_lio {
@@ -44,7 +45,7 @@ class BagLaps {
   std::map<std::string, bool> headers_;  ///< by datatype
   ros::Time first_, last_;               ///< stamps of the measured topic
   std::int64_t count_ = 0;
-  ros::Duration period_;  ///< of a lap
+  TimeNs period_ = 0;  ///< of a lap
 };
 
 }  // namespace allan_lio

@@ -24,6 +24,10 @@ TimeNs to_time_ns(const ros::Time& time);
 /// ROS has no time before 1970 and none after 2106: the nearest that it has.
 ros::Time to_ros_time(TimeNs time);
 
+/// [s]. ROS's own difference of times throws where it is more than 68 years, as a damaged bag or a clock gone wild has
+/// it.
+double seconds_between(const ros::Time& from, const ros::Time& to);
+
 /// Readings as they are: g or m/s^2 is the filter's question.
 ImuSample to_imu_sample(const sensor_msgs::Imu& message);
 
