@@ -8,6 +8,7 @@
 #include <sensor_msgs/Imu.h>
 #include <topic_tools/shape_shifter.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include "allan_lio/ros/conversions.h"
@@ -19,6 +20,7 @@ namespace {
 constexpr std::uint64_t kScansUnderWay = 4;   // the filter's queue holds 20
 constexpr std::uint64_t kImuUnderWay = 1500;  // the filter's queue holds 4000
 constexpr double kClockStep = 0.005;          // [s]
+constexpr double kLongestGap = 3600.0;        // that is waited for: beyond, a clock was wild or it is another day [s]
 constexpr int kOtherQueue = 100;
 constexpr double kPoll = 0.001;  // [s]
 
@@ -101,10 +103,11 @@ void BagPlayer::wait_for_subscriptions(double patience) {
 }
 
 void BagPlayer::pace(const ros::Time& time) {
-  if (begin_.isZero()) {
+  if (begin_.isZero() || std::abs(seconds_between(last_, time)) > kLongestGap) {
     begin_ = time;
     wall_begin_ = ros::WallTime::now();
   }
+  last_ = time;
   if (rate_ > 0.0) {
     const ros::WallTime due = wall_begin_ + ros::WallDuration(seconds_between(begin_, time) / rate_);
     while (ros::ok() && ros::WallTime::now() < due) nap();

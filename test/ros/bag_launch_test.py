@@ -11,14 +11,16 @@ import subprocess
 import tempfile
 import unittest
 
+import genpy
 import numpy
+import rosbag
 import rosgraph
 import rospy
 import rostest
 from allan_lio.msg import State
 from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import PointCloud2
+from sensor_msgs.msg import Imu, PointCloud2
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
@@ -302,6 +304,17 @@ class BagLaunch(unittest.TestCase):
         out, launched = self.launch('no_tf', 'config:=' + config)
         self.assertIn("no transform from 'lidar' to 'imu'", launched.stdout)
         self.assertFalse(os.path.exists(os.path.join(out, 'summary.yaml')))
+
+    def test_a_message_recorded_in_another_century_holds_nothing_up(self):
+        bag = os.path.join(self.directory, 'wild.bag')
+        shutil.copy(self.bag, bag)
+        with rosbag.Bag(bag, 'a') as more:
+            imu = Imu()
+            imu.header.stamp = genpy.Time(2 ** 32 - 1, 5)
+            more.write('/imu/data', imu, imu.header.stamp)
+        out, launched = self.launch('wild', 'bag:=' + bag, 'rate:=20')
+        self.assertIn('all of them taken', launched.stdout)
+        self.assertEqual(read(out, 'trajectory.tum'), read(self.offline, 'trajectory.tum'), launched.stdout)
 
     def test_a_missing_bag_ends_the_launch_with_a_sentence(self):
         launched = run('roslaunch', '--wait', 'allan_lio', 'bag.launch', 'bag:=/nowhere/none.bag')

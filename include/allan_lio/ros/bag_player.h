@@ -62,7 +62,7 @@ class BagPlayer {
   std::map<std::string, std::set<std::string>> subscribers_;  ///< node names by topic, as they connect
   std::map<std::string, ros::Publisher> publishers_;
   ros::Publisher clock_;
-  ros::Time begin_, last_clock_;
+  ros::Time begin_, last_, last_clock_;
   ros::WallTime wall_begin_;
   std::uint64_t imu_sent_ = 0, scans_sent_ = 0;
 };
