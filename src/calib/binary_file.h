@@ -6,30 +6,15 @@
 
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
+
+#include "number_hash.h"
 
 namespace allan_lio {
-
-/// A checksum of numbers in their order; not one that withstands intent.
-class NumberSum {
- public:
-  template <class T>
-  void add(const T& value) {
-    std::uint64_t bits = 0;
-    static_assert(std::is_arithmetic<T>::value && sizeof value <= sizeof bits, "a number");
-    std::memcpy(&bits, &value, sizeof value);
-    sum_ = (sum_ ^ bits) * 0x100000001b3u;
-    sum_ ^= sum_ >> 29;  // else high bits of a number would never reach the low ones
-  }
-  std::uint64_t value() const { return sum_; }
-
- private:
-  std::uint64_t sum_ = 0xcbf29ce484222325u;
-};
 
 /// Numbers one after the other, as they lie in memory: the format's word at the beginning tells a machine of the other
 /// byte order. The file is there in one piece when finish() returns, or not at all.
@@ -70,7 +55,7 @@ class BinaryWriter {
  private:
   const std::string path_, part_;
   std::ofstream out_;
-  NumberSum sum_;
+  NumberHash sum_;
   bool finished_ = false;
 };
 
@@ -117,7 +102,7 @@ class BinaryReader {
  private:
   const std::string path_;
   std::ifstream in_;
-  NumberSum sum_;
+  NumberHash sum_;
   std::uint64_t left_ = 0;
 };
 

@@ -2,36 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/calib/prepared_record.h"
 
-#include <cstring>
 #include <stdexcept>
-#include <type_traits>
 #include <utility>
 
 #include "allan_lio/eval/trajectory_error.h"
-#include "allan_lio/math/random_bits.h"
+#include "number_hash.h"
 
 namespace allan_lio {
 namespace {
-
-/// Hashes values one after the other, each scrambled together with what came before.
-class Hasher {
- public:
-  template <class T>
-  void add(const T& value) {
-    static_assert(std::is_arithmetic<T>::value && sizeof(T) <= sizeof(std::uint64_t), "a number");
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof(value));
-    state_ = hash_bits(state_ ^ bits);
-  }
-  template <class Vector>
-  void add_each(const Vector& values) {
-    for (Eigen::Index i = 0; i < values.size(); ++i) add(values[i]);
-  }
-  std::uint64_t value() const { return state_; }
-
- private:
-  std::uint64_t state_ = 0;
-};
 
 template <class T>
 double bytes_of(const std::vector<T>& values) {
@@ -84,7 +62,7 @@ double PreparedRecord::megabytes() const {
 }
 
 std::uint64_t PreparedRecord::digest() const {
-  Hasher hash;
+  NumberHash hash;
   hash.add(imu_.size());
   for (const ImuSample& s : imu_) hash.add(s.stamp), hash.add_each(s.gyro), hash.add_each(s.accel);
   hash.add(scans_.size());

@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> bags;
   allan_lio::BagPlayer::Options options;
   app.add_option("bags", bags, "bag files, merged by time")->required();
-  app.add_option("--rate", options.rate, "times real time; 0: as fast as the filter takes it")
+  app.add_option("--rate", options.rate,
+                 "times real time, gaps of more than an hour left out; 0: as fast as the filter takes it")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--filter", options.filter, "name of the filter's node or nodelet")->capture_default_str();

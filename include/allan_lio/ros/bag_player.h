@@ -22,7 +22,7 @@ class BagPlayer {
  public:
   struct Options {
     std::string filter = "lidar_odometry";  ///< name of the filter's node or nodelet
-    double rate = 0.0;                      ///< times real time; 0: as fast as the filter takes it
+    double rate = 0.0;                      ///< times real time, without gaps of over an hour; 0: unbounded
     double patience = 30.0;                 ///< how long to wait for the filter [s]
     std::uint64_t laps = 1;                 ///< how often the bags are played, see BagLaps
   };
