@@ -44,6 +44,13 @@ std::size_t believed_round(const std::vector<LinearRound>& rounds) {
   return much_likelier ? static_cast<std::size_t>(likeliest - rounds.begin()) : rounds.size() - 1;
 }
 
+bool went_astray(const std::vector<LinearRound>& rounds) {
+  if (rounds.size() < 3) return false;
+  const auto last = rounds.end() - 1;
+  const bool both_found = same_setting((last - 1)->at, (last - 2)->found) && same_setting(last->at, (last - 1)->found);
+  return both_found && last->objective > (last - 1)->objective + kWorseRuns;
+}
+
 LinearTuning::LinearTuning(NoiseProblem problem, LinearTuningOptions options)
     : problem_(std::move(problem)), options_(std::move(options)) {
   check_problem(problem_);
@@ -52,15 +59,15 @@ LinearTuning::LinearTuning(NoiseProblem problem, LinearTuningOptions options)
   if (options_.estimate_nll_scale) problem_.nll_scale = 1.0;
 }
 
-LinearTuning::Runs LinearTuning::run_filter(const NoiseSetting& at, const OnPhase& on_phase) {
+std::vector<LinearisedTrial> LinearTuning::run_filter(const NoiseProblem& problem, const NoiseSetting& at,
+                                                      const OnPhase& on_phase) {
   if (on_phase) on_phase("runs of the filter, round " + std::to_string(rounds_.size() + 1), 1);
-  auto runs =
-      std::make_shared<const std::vector<LinearisedTrial>>(linearise(options_.engine, problem_, at, options_.on_run));
+  std::vector<LinearisedTrial> runs = linearise(options_.engine, problem, at, options_.on_run);
   LinearRound round;
   round.at = round.found = at;
-  round.runs = static_cast<std::uint32_t>(runs->size());
-  for (const LinearisedTrial& run : *runs) round.diverged += run.run.scans.empty() ? 1 : 0;
-  round.objective = objective_of(*runs);
+  round.runs = static_cast<std::uint32_t>(runs.size());
+  for (const LinearisedTrial& run : runs) round.diverged += run.run.scans.empty() ? 1 : 0;
+  if (problem.bags.size() == problem_.bags.size()) round.objective = objective_of(runs);
   rounds_.push_back(round);
   return runs;
 }
@@ -71,46 +78,64 @@ double LinearTuning::objective_of(const std::vector<LinearisedTrial>& runs) cons
   return sum;
 }
 
-bool LinearTuning::lost(const std::vector<LinearisedTrial>& runs) const {
-  double nis = 0.0, dof = 0.0;
-  for (const LinearisedTrial& run : runs) {
-    const TrialResult& r = run.result;
-    const bool horizons = problem_.objective == TuningObjective::kNll;
-    nis += horizons ? r.horizon_nis : r.nis;
-    dof += horizons ? r.horizon_dof : static_cast<double>(r.nis_dof);
-  }
-  return nis > kLost * dof;
+bool LinearTuning::is_lost(const LinearisedTrial& run) const {
+  const TrialResult& r = run.result;
+  const bool horizons = problem_.objective == TuningObjective::kNll;
+  const double nis = horizons ? r.horizon_nis : r.nis;
+  const double dof = horizons ? r.horizon_dof : static_cast<double>(r.nis_dof);
+  return run.run.scans.empty() || nis > kLost * dof;
 }
 
-LinearTuning::Runs LinearTuning::better_beginning(Runs runs, const OnPhase& on_phase) {
-  if (!lost(*runs)) return runs;
-  NoiseSetting alike = (*runs)[0].trial.setting;
+/// A run that is not lost, or else the likelier one.
+bool LinearTuning::is_better(const LinearisedTrial& run, const LinearisedTrial& than) const {
+  if (is_lost(run) != is_lost(than)) return is_lost(than);
+  return nll_of(problem_.objective, run.result) < nll_of(problem_.objective, than.result);
+}
+
+NoiseSetting LinearTuning::better_beginning(std::vector<LinearisedTrial>& runs, const OnPhase& on_phase) {
+  NoiseSetting alike = runs[0].trial.setting;
+  const auto lost = [this](const LinearisedTrial& run) { return is_lost(run); };
+  const auto first = std::find_if(runs.begin(), runs.end(), lost);
+  if (first == runs.end()) return alike;
   for (const double k : {3.0, 10.0, 30.0}) {
+    NoiseProblem of_lost = problem_;
+    const auto none_lost = [&](std::uint32_t bag) {
+      return std::none_of(runs.begin(), runs.end(),
+                          [&](const LinearisedTrial& run) { return run.trial.bag == bag && is_lost(run); });
+    };
+    of_lost.bags.erase(std::remove_if(of_lost.bags.begin(), of_lost.bags.end(), none_lost), of_lost.bags.end());
+    if (of_lost.bags.empty()) break;
     for (const NoiseParameter parameter : problem_.tuned)
       if (parameter != NoiseParameter::kKr)
         multiplier(alike, parameter) = std::min(std::max(k, problem_.lowest_k), problem_.highest_k);
-    Runs others = run_filter(alike, on_phase);
-    if (objective_of(*others) < objective_of(*runs)) runs = std::move(others);
+    for (LinearisedTrial& other : run_filter(of_lost, alike, on_phase)) {
+      const auto same = std::find_if(runs.begin(), runs.end(), [&other](const LinearisedTrial& run) {
+        return run.trial.bag == other.trial.bag && run.trial.run == other.trial.run;
+      });
+      if (is_lost(*same) && is_better(other, *same)) *same = std::move(other);
+    }
   }
-  const auto chosen = std::find_if(rounds_.begin(), rounds_.end(), [&runs](const LinearRound& round) {
-    return same_setting(round.at, (*runs)[0].trial.setting);
-  });
+  const NoiseSetting at = first->trial.setting;
+  const auto chosen = std::find_if(rounds_.begin(), rounds_.end(),
+                                   [&at](const LinearRound& round) { return same_setting(round.at, at); });
   std::rotate(chosen, chosen + 1, rounds_.end());  // it is what the search goes on from
-  return runs;
+  return at;
 }
 
 bool LinearTuning::run(const OnPhase& on_phase) {
-  Runs runs = run_filter(options_.first.value_or(problem_.start), on_phase);
-  if (whole_bags(problem_, *runs).empty()) return false;
-  runs = better_beginning(std::move(runs), on_phase);
+  NoiseSetting at = options_.first.value_or(problem_.start);
+  std::vector<LinearisedTrial> runs = run_filter(problem_, at, on_phase);
+  at = better_beginning(runs, on_phase);
+  if (whole_bags(problem_, runs).empty()) return false;
   for (int round = 0;; ++round) {
-    const NoiseSetting at = (*runs)[0].trial.setting;
-    const std::vector<std::uint32_t> bags = whole_bags(problem_, *runs);
+    const std::vector<std::uint32_t> bags = whole_bags(problem_, runs);
     if (bags.empty()) break;
-    settle(at, runs, bags, round, on_phase);
+    settle(at, std::make_shared<const std::vector<LinearisedTrial>>(std::move(runs)), bags, round, on_phase);
     if (at_rest_ || round + 1 == kMostRounds) break;
     if (round == 0 && options_.estimate_nll_scale) problem_.nll_scale = mean_share();
-    runs = run_filter(rounds_.back().found, on_phase);
+    at = rounds_.back().found;
+    runs = run_filter(problem_, at, on_phase);
+    if (went_astray(rounds_)) break;
   }
   believe_the_runs();
   return true;
@@ -147,6 +172,8 @@ void LinearTuning::settle(const NoiseSetting& at, Runs runs, const std::vector<s
   const auto objective = [&](std::size_t place) { return evaluator->evaluations()[place].objective; };
   at_rest_ = objective(before) - objective(outcome.best) < kAsGood;
   if (round == 0 && options_.estimate_nll_scale) at_rest_ = false;  // the prior's weight is still to be found
+  const auto made_at = [&at](const LinearisedTrial& run) { return same_setting(run.trial.setting, at); };
+  if (!std::all_of(runs->begin(), runs->end(), made_at)) at_rest_ = false;  // no run has shown what it is like
   if (at_rest_ || round + 1 == kMostRounds) {
     if (options_.plan.with_profiles) outcome = tune(*evaluator, options_.plan, on_phase);
     if (on_phase) on_phase("the LiDAR's errors", 1);

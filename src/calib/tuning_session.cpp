@@ -65,13 +65,16 @@ void TuningSession::tune_linear(const OnPhase& on_phase) {
   options.on_run = on_run_;
   options.on_linear = on_linear_;
   auto tuning = std::make_unique<LinearTuning>(settings_.problem, options);
+  std::vector<LinearRound> rounds;
   if (!tuning->run(on_phase)) {
+    rounds = tuning->rounds();
     options.first = surviving_start(on_phase);
     if (!options.first) return tune_by_runs(on_phase);  // which says that all diverged
     tuning = std::make_unique<LinearTuning>(settings_.problem, options);
     if (!tuning->run(on_phase)) return tune_by_runs(on_phase);
   }
-  settings_.report.rounds = tuning->rounds();
+  rounds.insert(rounds.end(), tuning->rounds().begin(), tuning->rounds().end());
+  settings_.report.rounds = std::move(rounds);
   outcome_ = tuning->outcome();
   evaluator_ = tuning->take_evaluator();
   if (tuning->was_overruled())

@@ -38,13 +38,19 @@ bool any_told(const TuningOutcome& outcome) {
   });
 }
 
-/// " on the linear filter of 3 rounds with 9 runs", if so they were judged.
-std::string rounds_text(const std::vector<LinearRound>& rounds) {
-  if (rounds.empty()) return "";
-  std::uint32_t runs = 0, diverged = 0;
-  for (const LinearRound& round : rounds) runs += round.runs, diverged += round.diverged;
-  return " on the linear filter of " + std::to_string(rounds.size()) + " rounds with " + std::to_string(runs) +
-         " runs" + (diverged > 0 ? ", " + std::to_string(diverged) + " of which diverged and were left out" : "");
+/// " on the linear filter of 3 rounds with 9 runs", if so they were judged: all that were made of the bags tuned on.
+std::string rounds_text(const TuningSession& session) {
+  const std::size_t rounds = session.settings().report.rounds.size();
+  if (rounds == 0) return "";
+  const std::vector<std::uint32_t>& bags = session.settings().problem.bags;
+  std::size_t runs = 0, diverged = 0;
+  for (const auto& [trial, result] : session.rows()) {
+    if (std::find(bags.begin(), bags.end(), trial.bag) == bags.end()) continue;  // held out
+    ++runs;
+    diverged += result.diverged ? 1 : 0;
+  }
+  return " on the linear filter of " + std::to_string(rounds) + " rounds with " + std::to_string(runs) + " runs" +
+         (diverged > 0 ? ", " + std::to_string(diverged) + " of which diverged and were left out" : "");
 }
 
 std::string best_part(const TuningSession& session) {
@@ -53,8 +59,8 @@ std::string best_part(const TuningSession& session) {
   const bool ate = problem.objective == TuningObjective::kAte;
   std::string text = "best: " + text_of(best.setting) + "\n  " + (ate ? "average ATE " : "objective ") +
                      number(best.objective, ate ? 4 : 8) + (ate ? " m" : " nats") + " of " +
-                     std::to_string(session.evaluator().evaluations().size()) + " settings" +
-                     rounds_text(session.settings().report.rounds) + "; " + session.outcome().end + "\n";
+                     std::to_string(session.evaluator().evaluations().size()) + " settings" + rounds_text(session) +
+                     "; " + session.outcome().end + "\n";
   if (best.diverged > 0)
     text += "  WARNING: with it " + std::to_string(best.diverged) + " of " + std::to_string(best.trials.size()) +
             " runs still diverge: the trouble is not the noise's size, or lies outside of what was searched\n";

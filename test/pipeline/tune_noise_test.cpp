@@ -203,6 +203,7 @@ TEST(TuneNoise, OnLinearRunsItRunsTheFilterOnceARound) {
   const std::size_t rounds = tuning["rounds"].size();
   ASSERT_GE(rounds, 2U) << "the first knows nothing of how far errors hang together";
   EXPECT_LE(rounds, 6U);
+  expect_text(run.text, {"of " + std::to_string(rounds) + " rounds with " + std::to_string(rounds) + " runs"});
   EXPECT_EQ(tuning["rounds"][0]["at"]["k_g"].as<double>(), 1.0);
   for (std::size_t i = 1; i < rounds; ++i)
     EXPECT_EQ(YAML::Dump(tuning["rounds"][i]["at"]), YAML::Dump(tuning["rounds"][i - 1]["found"]));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,13 +17,19 @@ namespace allan_lio {
 struct LinearRound {
   NoiseSetting at, found;  ///< the same where the runs only looked for a beginning
   LidarErrors errors;
-  double objective = 0.0;  ///< of the runs themselves, with the prior and as if all were independent [nats]
+  /// Of the runs themselves, with the prior and as if all were independent [nats]; infinite where only the bags whose
+  /// runs were lost were run.
+  double objective = std::numeric_limits<double>::infinity();
   std::uint32_t runs = 0, diverged = 0;  ///< of the filter; bags with a diverged run are left out of the round
 };
 
 /// The round whose setting is believed: the last one, unless the runs of an earlier one are likelier by kWorseRuns; of
 /// several the likeliest. There must be one.
 std::size_t believed_round(const std::vector<LinearRound>& rounds);
+
+/// Whether the last round, like the one before it at a setting that a linear filter found, is less likely than that one
+/// by kWorseRuns: the linear filter's bests go to and fro, and more of them tell no more.
+bool went_astray(const std::vector<LinearRound>& rounds);
 
 constexpr double kWorseRuns = 10.0;  ///< [nats], twice what planes that are matched or not make of a run
 
@@ -43,11 +50,11 @@ struct LinearTuningOptions {
 /// not.
 ///
 /// The last word have the runs: if those of an earlier round are likelier by kWorseRuns than the last one's, its
-/// setting is the best, and there are no profiles.
+/// setting is the best, and there are no profiles. The search ends where it went_astray().
 ///
-/// A run that is lost is linearised about states that are wrong, and tells nothing of the right noise. So where the
-/// first runs are worse than they claim by kLost, runs with all tuned k alike at 3, 10 and 30 look for a better
-/// beginning.
+/// A run that is lost is linearised about states that are wrong, and tells nothing of the right noise. So the bags
+/// whose first runs diverge or are worse than they claim by kLost are run with all tuned k alike at 3, 10 and 30, until
+/// none is lost: each run is linearised by itself, and the first round takes of each bag the run that is best.
 class LinearTuning {
  public:
   static constexpr double kAsGood = 0.5;  ///< [nats]
@@ -57,7 +64,8 @@ class LinearTuning {
   /// Throws std::invalid_argument as check_problem does, or if the objective is ATE.
   LinearTuning(NoiseProblem problem, LinearTuningOptions options);
 
-  /// False if every run of the first round diverged; then nothing is known. Throws what engines throw.
+  /// False if of every bag a run diverged with whatever was tried to begin with; then nothing is known. Throws what
+  /// engines throw.
   bool run(const OnPhase& on_phase);
 
   const std::vector<LinearRound>& rounds() const { return rounds_; }
@@ -75,12 +83,13 @@ class LinearTuning {
  private:
   using Runs = std::shared_ptr<const std::vector<LinearisedTrial>>;
 
-  /// Runs of the filter, with a round of their own.
-  Runs run_filter(const NoiseSetting& at, const OnPhase& on_phase);
-  /// From runs at the beginning to better ones, if they are lost and there are better ones.
-  Runs better_beginning(Runs runs, const OnPhase& on_phase);
+  /// Runs of the filter on the bags of `problem`, which are some of problem_'s, with a round of their own.
+  std::vector<LinearisedTrial> run_filter(const NoiseProblem& problem, const NoiseSetting& at, const OnPhase& on_phase);
+  /// Puts better runs in the place of those that are lost, if there are any. The setting to go on from.
+  NoiseSetting better_beginning(std::vector<LinearisedTrial>& runs, const OnPhase& on_phase);
   double objective_of(const std::vector<LinearisedTrial>& runs) const;
-  bool lost(const std::vector<LinearisedTrial>& runs) const;
+  bool is_lost(const LinearisedTrial& run) const;
+  bool is_better(const LinearisedTrial& run, const LinearisedTrial& than) const;
   void settle(const NoiseSetting& at, Runs runs, const std::vector<std::uint32_t>& bags, int round,
               const OnPhase& on_phase);
   void believe_the_runs();

@@ -57,6 +57,7 @@ class TuningSession {
   const NoiseEvaluator& evaluator() const { return *evaluator_; }
   const TuningOutcome& outcome() const { return outcome_; }
   const ScoredSetting& best() const { return evaluator_->evaluations()[outcome_.best]; }
+  const std::vector<TrialRow>& rows() const { return rows_; }  ///< every trial that ended, of the filter itself
   /// The bags held out, with the configuration's noise and with the best; empty if there are none.
   const std::vector<ScoredSetting>& held_out() const { return held_out_; }
 
@@ -73,7 +74,7 @@ class TuningSession {
   SessionSettings settings_;
   const TrialProblem& problem_;
   const std::atomic<bool>* stop_;
-  std::vector<TrialRow> rows_;  ///< every trial that ended
+  std::vector<TrialRow> rows_;
   RunTrials run_trials_;
   OnFinished on_run_, on_linear_;  ///< a trial of the filter has ended, one on linear runs
   std::unique_ptr<NoiseEvaluator> evaluator_;
