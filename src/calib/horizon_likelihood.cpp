@@ -5,6 +5,7 @@
 #include "allan_lio/imu/imu_buffer.h"
 #include "allan_lio/imu/interval_noise.h"
 #include "allan_lio/imu/propagate.h"
+#include "allan_lio/lio/bias_mean.h"
 #include "horizon_misfit.h"
 
 namespace allan_lio {
@@ -37,21 +38,22 @@ Step make_step(const ImuBuffer& imu, const NavState& from, TimeNs to, const LioC
 
 struct Prediction {
   NavState nav;
-  NavMatrix covariance;
+  InertialMatrix covariance;
 };
 
 void advance(const Step& step, const ImuNoise& noise, Prediction& prediction) {
   for (std::size_t i = 1; i < step.samples.size(); ++i)
     prediction.nav =
         propagate_mean(prediction.nav, mean_interval(prediction.nav, step.samples[i - 1], step.samples[i]), noise);
-  prediction.covariance = step.phi * prediction.covariance * step.phi.transpose() + step.q;
+  carry(step.phi, prediction.covariance);
+  prediction.covariance.topLeftCorner<kNavDof, kNavDof>() += step.q;
 }
 
 }  // namespace
 
 void HorizonLikelihood::add(const LioResult& result) {
-  entries_.push_back({result.state.nav, result.covariance.topLeftCorner<kNavDof, kNavDof>(), result.localizability,
-                      result.outcome == ScanOutcome::kUpdated});
+  entries_.push_back({result.state.nav, result.covariance.topLeftCorner<kInertialDof, kInertialDof>(),
+                      result.localizability, result.outcome == ScanOutcome::kUpdated});
 }
 
 HorizonScore HorizonLikelihood::score(const std::vector<ImuSample>& imu, double accel_scale) const {
@@ -78,7 +80,7 @@ HorizonScore HorizonLikelihood::score(const std::vector<ImuSample>& imu, double 
     for (std::size_t i = begin + 1; i <= end; ++i) advance(steps[i], noise, prediction);
     const Entry& last = entries_[end];
     const SupportedAxes axes = supported_axes(last.localizability);
-    const auto along = [&axes](const NavMatrix& covariance) {
+    const auto along = [&axes](const InertialMatrix& covariance) {
       return SupportedMatrix(axes.rows * covariance.topLeftCorner<6, 6>() * axes.rows.transpose());
     };
     sums.add(horizon_misfit(axes.rows * nav_minus(last.nav, prediction.nav).head<6>(), along(prediction.covariance),

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "allan_lio/lio/bias_mean.h"
 #include "horizon_misfit.h"
 
 namespace allan_lio {
@@ -14,7 +15,7 @@ constexpr double kLog2Pi = 1.83787706640934548356;
 constexpr double kLinearLeastGain = 0.01;  ///< a linear filter's two covariances are what they say: only for rounding
 
 // The filter's state: the run's error, the view's, the map's drift (rotation and translation each).
-constexpr int kView = kNavDof, kDrift = kNavDof + 6, kLinearDof = kNavDof + 12;
+constexpr int kView = kInertialDof, kDrift = kInertialDof + 6, kLinearDof = kInertialDof + 12;
 using LinearMatrix = Eigen::Matrix<double, kLinearDof, kLinearDof>;
 using LinearVector = Eigen::Matrix<double, kLinearDof, 1>;
 using Gain = Eigen::Matrix<double, kLinearDof, Eigen::Dynamic, 0, kLinearDof, 6>;
@@ -28,7 +29,7 @@ class LinearFilter {
         errors_(errors),
         noise_{square(setting.imu.k_g), square(setting.imu.k_a), square(setting.imu.k_gb), square(setting.imu.k_ab)},
         white_(square(errors.white * setting.k_r / run.k_r)) {
-    p_.topLeftCorner<kNavDof, kNavDof>() = run.initial_covariance;
+    p_.topLeftCorner<kInertialDof, kInertialDof>() = run.initial_covariance;
   }
 
   /// What the readings add to the covariance.
@@ -39,16 +40,20 @@ class LinearFilter {
   }
 
   void predict(const LinearScan& scan) {
-    x_.head<kNavDof>() = (scan.phi * x_.head<kNavDof>()).eval() - scan.correction;
+    InertialVector x = x_.head<kInertialDof>();
+    carry(scan.phi, x);
+    x_.head<kInertialDof>() = x - scan.correction;
     x_.segment<6>(kView) *= scan.view_kept;
-    const NavMatrix carried = scan.phi * p_.topLeftCorner<kNavDof, kNavDof>() * scan.phi.transpose() + noise_of(scan);
-    p_.topLeftCorner<kNavDof, kNavDof>() = 0.5 * (carried + carried.transpose());
-    p_.topRightCorner<kNavDof, 12>() = (scan.phi * p_.topRightCorner<kNavDof, 12>()).eval();
+    InertialMatrix p = p_.topLeftCorner<kInertialDof, kInertialDof>();
+    carry(scan.phi, p);
+    p.topLeftCorner<kNavDof, kNavDof>() += noise_of(scan);
+    p_.topLeftCorner<kInertialDof, kInertialDof>() = p;
+    p_.topRightCorner<kInertialDof, 12>() = (with_bias_means(scan.phi) * p_.topRightCorner<kInertialDof, 12>()).eval();
     p_.block<kLinearDof, 6>(0, kView) *= scan.view_kept;
     p_.block<6, 6>(kView, kView) *= scan.view_kept;
     p_.block<6, 6>(kView, kView) += (1.0 - square(scan.view_kept)) * square(errors_.view) * scan.view_noise;
     p_.block<6, 6>(kView, kDrift) *= scan.view_kept;
-    p_.bottomLeftCorner<12, kNavDof>() = p_.topRightCorner<kNavDof, 12>().transpose();
+    p_.bottomLeftCorner<12, kInertialDof>() = p_.topRightCorner<kInertialDof, 12>().transpose();
     p_.block<6, 6>(kDrift, kView) = p_.block<6, 6>(kView, kDrift).transpose();
     p_.diagonal().segment<3>(kDrift).array() += square(errors_.drift_rotation) * scan.step;
     p_.diagonal().segment<3>(kDrift + 3).array() += square(errors_.drift_position) * scan.step;
@@ -87,8 +92,8 @@ class LinearFilter {
     p_ = 0.5 * (updated + updated.transpose());
   }
 
-  NavVector error() const { return x_.head<kNavDof>(); }
-  NavMatrix covariance() const { return p_.topLeftCorner<kNavDof, kNavDof>(); }
+  InertialVector error() const { return x_.head<kInertialDof>(); }
+  InertialMatrix covariance() const { return p_.topLeftCorner<kInertialDof, kInertialDof>(); }
 
  private:
   const LinearRun& run_;
@@ -103,22 +108,25 @@ class LinearFilter {
 struct Track {
   std::vector<double> times;
   std::vector<bool> updated;
-  std::vector<NavVector> errors;
-  std::vector<NavMatrix> covariances, noise;
+  std::vector<InertialVector> errors;
+  std::vector<InertialMatrix> covariances;
+  std::vector<NavMatrix> noise;
 };
 
 HorizonScore score_horizons(const LinearRun& run, const Track& track) {
   HorizonSums sums;
   for_each_horizon(track.times, track.updated, [&](std::size_t begin, std::size_t end, double seconds) {
-    NavVector x = track.errors[begin];
-    NavMatrix p = track.covariances[begin];
+    InertialVector x = track.errors[begin];
+    InertialMatrix p = track.covariances[begin];
     for (std::size_t i = begin + 1; i <= end; ++i) {
       const LinearScan& scan = run.scans[i];
-      x = (scan.phi * x).eval() - scan.correction;
-      p = (scan.phi * p * scan.phi.transpose()).eval() + track.noise[i];
+      carry(scan.phi, x);
+      x -= scan.correction;
+      carry(scan.phi, p);
+      p.topLeftCorner<kNavDof, kNavDof>() += track.noise[i];
     }
     const SupportedRows& rows = run.scans[end].rows;
-    const auto along = [&rows](const NavMatrix& covariance) {
+    const auto along = [&rows](const InertialMatrix& covariance) {
       return SupportedMatrix(rows * covariance.topLeftCorner<6, 6>() * rows.transpose());
     };
     sums.add(horizon_misfit(rows * (track.errors[end] - x).head<6>(), along(p), along(track.covariances[end]),

@@ -5,6 +5,7 @@
 #include "allan_lio/imu/imu_buffer.h"
 #include "allan_lio/imu/interval_noise.h"
 #include "allan_lio/imu/propagate.h"
+#include "allan_lio/lio/bias_mean.h"
 #include "horizon_misfit.h"
 
 namespace allan_lio {
@@ -68,7 +69,7 @@ void link(const ImuBuffer& imu, const NavState& from, const NavState& to, const 
     nav = propagate_mean(nav, interval, noise.whole);
   }
   scan.step = seconds_between(from.stamp, to.stamp);
-  scan.correction = nav_minus(to, nav);
+  scan.correction = inertial_minus(to, nav);
 }
 
 /// What the registration measured, about the state that came of it.
@@ -109,7 +110,7 @@ LinearRun LinearRunRecorder::finish(const LioConfig& config, const std::vector<I
   const NoiseParts noise(config);
   run.gyro_psd = noise.whole.gyro_psd;
   run.k_r = config.lidar.k_r;
-  run.initial_covariance = results_[0].covariance.topLeftCorner<kNavDof, kNavDof>();
+  run.initial_covariance = results_[0].covariance.topLeftCorner<kInertialDof, kInertialDof>();
   run.scans.resize(results_.size());
   for (std::size_t i = 0; i < results_.size(); ++i) {
     LinearScan& scan = run.scans[i];

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kFormat = 0x414c4c52'00000001;  // "ALLR", version 1
+constexpr std::uint64_t kFormat = 0x414c4c52'00000002;  // "ALLR", version 2
 constexpr std::uint64_t kLeastScan = 6 * sizeof(NavMatrix);
 
 template <class Archive, class Matrix>

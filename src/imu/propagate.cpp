@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/imu/propagate.h"
 
+#include <cmath>
+
 #include "allan_lio/math/so3.h"
 
 namespace allan_lio {
@@ -25,8 +27,11 @@ NavState propagate_mean(const NavState& state, const ImuInterval& interval, cons
   next.T_world_imu.translation +=
       dt * state.velocity_world +
       dt * dt * (0.5 * state.gravity_world + rotation * (gamma_so3(2, phi) * interval.accel));
-  next.gyro_bias.array() *= (-dt * noise.gyro_bias_rate.array()).exp();
-  next.accel_bias.array() *= (-dt * noise.accel_bias_rate.array()).exp();
+  const auto decay = [dt](const Eigen::Vector3d& rate, const Eigen::Vector3d& mean, Eigen::Vector3d& bias) {
+    bias.array() += (-dt * rate.array()).unaryExpr([](double x) { return std::expm1(x); }) * (bias - mean).array();
+  };
+  decay(noise.gyro_bias_rate, state.gyro_bias_mean, next.gyro_bias);
+  decay(noise.accel_bias_rate, state.accel_bias_mean, next.accel_bias);
   return next;
 }
 

@@ -94,10 +94,12 @@ void declare_imu(ParameterVisitor& v, LioConfig::Imu& imu) {
             "biases wander more than the specification says (temperature, misalignment).",
             kLive},
            imu.scale.k_ab, 1.0, Range::positive());
-  v.option({"imu/bias_model", "",
-            "random_walk holds the bias where it was last seen; gauss_markov lets it decay to zero with its "
-            "correlation time. Change it when the turn-on bias was removed from the data."},
-           imu.bias_model, BiasModel::kRandomWalk, {"random_walk", "gauss_markov"});
+  v.option(
+      {"imu/bias_model", "",
+       "random_walk holds the bias where it was last seen; gauss_markov lets it decay with its correlation time to "
+       "a constant that is estimated too. Change it when the bias is known to be like that, at a steady "
+       "temperature for one."},
+      imu.bias_model, BiasModel::kRandomWalk, {"random_walk", "gauss_markov"});
   v.option({"imu/discretization", "",
             "How the continuous noise becomes the Q of an interval. Change it to compare the forms of the paper."},
            imu.discretization, Discretization::kTrapezoid, {"euler", "trapezoid", "discrete", "van_loan"});

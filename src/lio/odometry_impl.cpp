@@ -9,6 +9,7 @@
 
 #include "allan_lio/imu/interval_noise.h"
 #include "allan_lio/lidar/keep_evenly.h"
+#include "allan_lio/lio/bias_mean.h"
 #include "allan_lio/math/so3.h"
 
 namespace allan_lio {
@@ -50,7 +51,7 @@ ImuNoise Odometry::Impl::noise_between(const ImuSample& from, const ImuSample& t
 
 void Odometry::Impl::propagate_covariance(const NavMatrix& transition, const NavMatrix& noise) {
   LioMatrix phi = LioMatrix::Identity(), q = LioMatrix::Zero();
-  phi.topLeftCorner<kNavDof, kNavDof>() = transition;
+  phi.topLeftCorner<kInertialDof, kInertialDof>() = with_bias_means(transition);
   q.topLeftCorner<kNavDof, kNavDof>() = noise;
   const LioMatrix carried = phi * belief_.covariance * phi.transpose() + q;
   belief_.covariance = 0.5 * (carried + carried.transpose());

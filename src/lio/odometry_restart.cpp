@@ -16,9 +16,19 @@ constexpr double kAnyHeading = 1.8;  // [rad] 1 sigma of a heading of which noth
 
 double square(double x) { return x * x; }
 
-/// What is left to know [unit of the bias] of a bias of covariance P after `seconds` of random walk.
-Eigen::Vector3d left_to_know(const LioMatrix& P, int index, const Eigen::Vector3d& psd, double seconds) {
-  return (P.diagonal().segment<3>(index) + seconds * psd).cwiseSqrt();
+/// The constant part of a bias as it is known at a new start.
+struct BiasStart {
+  Eigen::Vector3d value;    ///< [unit of the bias]
+  Eigen::Vector3d turn_on;  ///< 1 sigma
+};
+
+/// Of a random walk what is left to know after `seconds`; a Gauss-Markov process has forgotten where it was and keeps
+/// its mean.
+BiasStart constant_part(const Eigen::Vector3d& bias, const Eigen::Vector3d& mean, const Eigen::Vector3d& variance,
+                        const Eigen::Vector3d& mean_variance, const Eigen::Vector3d& psd, const Eigen::Vector3d& rate,
+                        double seconds) {
+  const auto walks = rate.array() == 0.0;
+  return {walks.select(bias, mean), walks.select(variance + seconds * psd, mean_variance).cwiseSqrt()};
 }
 
 }  // namespace
@@ -38,10 +48,16 @@ void Odometry::Impl::start_in_place(const ImuBuffer::Silence& silence, Scan scan
   start_.position_covariance.diagonal().array() += square(config_.init.velocity_sigma * blind);
   start_.heading_variance =
       up.dot(known.block<3, 3>(kTheta, kTheta) * up) + square(std::min(kTurnRate * blind, kAnyHeading));
-  start_.gyro_bias = state_.nav.gyro_bias;
-  start_.accel_bias = state_.nav.accel_bias;
-  start_.spec.gyro.turn_on_bias = left_to_know(known, kGyroBias, noise_.gyro_bias_psd, blind);
-  start_.spec.accel.turn_on_bias = left_to_know(known, kAccelBias, noise_.accel_bias_psd, blind);
+  const NavState& nav = state_.nav;
+  const auto variance = [&known](int index) { return Eigen::Vector3d(known.diagonal().segment<3>(index)); };
+  const BiasStart gyro = constant_part(nav.gyro_bias, nav.gyro_bias_mean, variance(kGyroBias), variance(kGyroBiasMean),
+                                       noise_.gyro_bias_psd, noise_.gyro_bias_rate, blind);
+  const BiasStart accel = constant_part(nav.accel_bias, nav.accel_bias_mean, variance(kAccelBias),
+                                        variance(kAccelBiasMean), noise_.accel_bias_psd, noise_.accel_bias_rate, blind);
+  start_.gyro_bias = gyro.value;
+  start_.accel_bias = accel.value;
+  start_.spec.gyro.turn_on_bias = gyro.turn_on;
+  start_.spec.accel.turn_on_bias = accel.turn_on;
 
   belief_ = Belief{};
   map_->clear();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "allan_lio/imu/static_init.h"
+#include "allan_lio/lio/bias_mean.h"
 #include "allan_lio/math/s2.h"
 #include "allan_lio/math/so3.h"
 #include "odometry_impl.h"
@@ -66,7 +67,12 @@ bool Odometry::Impl::initialize_from_imu() {
   state_.nav.gyro_bias += start_.gyro_bias;
   state_.nav.accel_bias += start_.accel_bias;
   state_.nav.stamp = started_at_ = start;
-  belief_.covariance.topLeftCorner<kNavDof, kNavDof>() = initial.covariance;
+  state_.nav.gyro_bias_mean = start_.gyro_bias;
+  state_.nav.accel_bias_mean = start_.accel_bias;
+  InertialMatrix covariance = InertialMatrix::Zero();
+  covariance.topLeftCorner<kNavDof, kNavDof>() = initial.covariance;
+  split_biases(start_.spec, noise_, state_.nav, covariance);
+  belief_.covariance.topLeftCorner<kInertialDof, kInertialDof>() = covariance;
   if (config_.estimate_extrinsics) {
     belief_.covariance.diagonal().segment<3>(kExtrinsicRotation).setConstant(square(config_.extrinsic_rotation_sigma));
     belief_.covariance.diagonal()

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "allan_lio/lio/bias_mean.h"
 #include "allan_lio/math/s2.h"
 #include "allan_lio/math/so3.h"
 
@@ -29,12 +30,14 @@ LioState lio_plus(const LioState& x, const LioVector& delta) {
   y.nav = nav_plus(x.nav, delta.head<kNavDof>());
   y.T_imu_lidar.rotation = (x.T_imu_lidar.rotation * exp_so3(delta.segment<3>(kExtrinsicRotation))).normalized();
   y.T_imu_lidar.translation = x.T_imu_lidar.translation + delta.segment<3>(kExtrinsicTranslation);
+  y.nav.gyro_bias_mean += delta.segment<3>(kGyroBiasMean);
+  y.nav.accel_bias_mean += delta.segment<3>(kAccelBiasMean);
   return y;
 }
 
 LioVector lio_minus(const LioState& y, const LioState& x) {
   LioVector delta;
-  delta.head<kNavDof>() = nav_minus(y.nav, x.nav);
+  delta.head<kInertialDof>() = inertial_minus(y.nav, x.nav);
   delta.segment<3>(kExtrinsicRotation) = log_so3(x.T_imu_lidar.rotation.conjugate() * y.T_imu_lidar.rotation);
   delta.segment<3>(kExtrinsicTranslation) = y.T_imu_lidar.translation - x.T_imu_lidar.translation;
   return delta;

@@ -68,8 +68,9 @@ void ImuPropagator::on_state(const StateConstPtr& message) {
   if (!all_finite(*message)) return;
   config_.imu.scale = {message->k_g, message->k_a, message->k_gb, message->k_ab};
   propagator_.set_limits({message->gyro_range, message->accel_range}, message->max_gap);
+  // Until the next state a bias is where it was: of its way back to its mean a scan's time is a hundredth at most.
   propagator_.restart(nav_state_of(*message), nav_covariance_of(*message),
-                      make_imu_noise(config_.imu.spec, config_.imu.scale, config_.imu.bias_model),
+                      make_imu_noise(config_.imu.spec, config_.imu.scale, BiasModel::kRandomWalk),
                       message->accel_scale);
 }
 

@@ -9,14 +9,22 @@
 namespace allan_lio {
 namespace {
 
-using RowMajor = Eigen::Matrix<double, kLioDof, kLioDof, Eigen::RowMajor>;
-static_assert(State::_covariance_type::static_size == kLioDof * kLioDof, "State.msg holds the whole covariance");
+constexpr int kToldDof = kNavDof + 6;  // all but what the biases decay to
+using RowMajor = Eigen::Matrix<double, kToldDof, kToldDof, Eigen::RowMajor>;
+static_assert(State::_covariance_type::static_size == kToldDof * kToldDof, "State.msg holds the covariance");
 static_assert(State::UPDATED == static_cast<int>(ScanOutcome::kUpdated) &&
                   State::FIRST == static_cast<int>(ScanOutcome::kFirst) &&
                   State::TOO_FEW_POINTS == static_cast<int>(ScanOutcome::kTooFewPoints) &&
                   State::TOO_FEW_MATCHES == static_cast<int>(ScanOutcome::kTooFewMatches) &&
                   State::MAP_RESTARTED == static_cast<int>(ScanOutcome::kMapRestarted),
               "State.msg names the outcomes in the order of ScanOutcome");
+
+RowMajor told_covariance(const LioMatrix& covariance) {
+  RowMajor told;
+  told << covariance.topLeftCorner<kNavDof, kNavDof>(), covariance.topRightCorner<kNavDof, 6>(),
+      covariance.bottomLeftCorner<6, kNavDof>(), covariance.bottomRightCorner<6, 6>();
+  return told;
+}
 
 }  // namespace
 
@@ -36,7 +44,7 @@ StatePtr to_state_message(const LioResult& result, const LioSession& session) {
   message->gravity = to_vector(nav.gravity_world);
   message->extrinsic_translation = to_point(result.state.T_imu_lidar.translation);
   message->extrinsic_rotation = to_quaternion(result.state.T_imu_lidar.rotation);
-  Eigen::Map<RowMajor>(message->covariance.data()) = result.covariance;
+  Eigen::Map<RowMajor>(message->covariance.data()) = told_covariance(result.covariance);
   message->outcome = static_cast<std::uint8_t>(result.outcome);
   message->points = static_cast<std::uint32_t>(result.points);
   message->registered = static_cast<std::uint32_t>(result.registered);

@@ -12,6 +12,7 @@
 #include "allan_lio/calib/linear_trials.h"
 #include "allan_lio/calib/noise_trial_run.h"
 #include "allan_lio/imu/discretize.h"
+#include "allan_lio/lio/bias_mean.h"
 
 namespace allan_lio {
 namespace {
@@ -33,7 +34,7 @@ Eigen::MatrixXd random_covariance(int dof, double scale, std::mt19937_64& bits) 
 /// Five scans without any sense, one of them without a registration.
 LinearRun random_run(std::mt19937_64& bits) {
   LinearRun run;
-  run.initial_covariance = random_covariance(kNavDof, 0.1, bits);
+  run.initial_covariance = random_covariance(kInertialDof, 0.1, bits);
   run.gyro_psd << 0.2, 0.3, 0.4;
   run.k_r = 2.0;
   for (int i = 0; i < 5; ++i) {
@@ -43,7 +44,7 @@ LinearRun random_run(std::mt19937_64& bits) {
     scan.phi = NavMatrix::Identity() + 0.1 * random_matrix(kNavDof, kNavDof, bits);
     for (NavMatrix& noise : scan.noise) noise = random_covariance(kNavDof, 0.05, bits);
     scan.bridged = random_covariance(kNavDof, 0.01, bits);
-    scan.correction = 0.3 * random_matrix(kNavDof, 1, bits);
+    scan.correction = 0.3 * random_matrix(kInertialDof, 1, bits);
     scan.view_noise = random_covariance(6, 0.2, bits);
     scan.view_kept = 0.7;
     scan.deskewed = 0.1;
@@ -67,19 +68,20 @@ struct Stacked {
 
 /// All of a run's measurements at once, without a filter.
 Stacked stack(const LinearRun& run, const NoiseSetting& setting, const LidarErrors& errors) {
-  constexpr int kPerScan = kNavDof + 6 + 6 + 6;  // w or the first error, view's and drift's steps, deskewing's error
+  constexpr int kPerScan =
+      kInertialDof + 6 + 6 + 6;  // w or the first error, view's and drift's steps, deskewing's error
   const int dof = kPerScan * static_cast<int>(run.scans.size());
   const double k[] = {setting.imu.k_g, setting.imu.k_a, setting.imu.k_gb, setting.imu.k_ab};
   Stacked out{Eigen::MatrixXd::Zero(dof + 100, dof + 100), Eigen::MatrixXd(0, dof + 100), {}, {}};
   int total = dof;
-  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(kNavDof, dof + 100), view = Eigen::MatrixXd::Zero(6, dof + 100),
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(kInertialDof, dof + 100), view = Eigen::MatrixXd::Zero(6, dof + 100),
                   drift = view;
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(kNavDof);
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(kInertialDof);
   for (std::size_t i = 0; i < run.scans.size(); ++i) {
     const LinearScan& scan = run.scans[i];
-    const int w = kPerScan * static_cast<int>(i), u = w + kNavDof, d = u + 6, n = d + 6;
+    const int w = kPerScan * static_cast<int>(i), u = w + kInertialDof, d = u + 6, n = d + 6;
     if (i == 0) {
-      out.covariance.block<kNavDof, kNavDof>(w, w) = run.initial_covariance;
+      out.covariance.block<kInertialDof, kInertialDof>(w, w) = run.initial_covariance;
     } else {
       NavMatrix q = scan.bridged;
       for (int part = 0; part < 4; ++part) q += k[part] * k[part] * scan.noise[static_cast<std::size_t>(part)];
@@ -91,11 +93,11 @@ Stacked stack(const LinearRun& run, const NoiseSetting& setting, const LidarErro
       out.covariance.block<3, 3>(d + 3, d + 3)
           .diagonal()
           .setConstant(errors.drift_position * errors.drift_position * scan.step);
-      x = (scan.phi * x).eval();
-      mean = (scan.phi * mean).eval() - scan.correction;
+      x = (with_bias_means(scan.phi) * x).eval();
+      mean = (with_bias_means(scan.phi) * mean).eval() - scan.correction;
       view *= scan.view_kept;
     }
-    x.block(0, w, kNavDof, kNavDof) += Eigen::MatrixXd::Identity(kNavDof, kNavDof);
+    x.block(0, w, kInertialDof, kInertialDof) += Eigen::MatrixXd::Identity(kInertialDof, kInertialDof);
     view.block<6, 6>(0, u) += Eigen::MatrixXd::Identity(6, 6);
     drift.block<6, 6>(0, d) += Eigen::MatrixXd::Identity(6, 6);
     const Eigen::Vector3d density = k[0] * k[0] * scan.deskewed * run.gyro_psd;
@@ -161,7 +163,9 @@ constexpr double kGyroWhite = 1e-4;   // [rad/s/sqrt(Hz)]
 constexpr double kAccelWhite = 1e-3;  // [m/s^2/sqrt(Hz)]
 constexpr double kGyroWalk = 1e-5, kAccelWalk = 1e-4;
 
-LinearRun drawn_run(const NoiseSetting& truth, const LidarErrors& errors, int scans, unsigned seed) {
+/// `bias_rate`: 1/T_b of Gauss-Markov biases about unknown constants [1/s]; 0: random walks.
+LinearRun drawn_run(const NoiseSetting& truth, const LidarErrors& errors, int scans, unsigned seed,
+                    double bias_rate = 0.0) {
   std::mt19937_64 bits(seed);
   std::normal_distribution<double> normal;
   const auto draw = [&](const auto& covariance) {
@@ -177,10 +181,22 @@ LinearRun drawn_run(const NoiseSetting& truth, const LidarErrors& errors, int sc
                         kAccelWalk * kAccelWalk};
   const double k[] = {truth.imu.k_g, truth.imu.k_a, truth.imu.k_gb, truth.imu.k_ab};
   LinearRun run;
-  run.initial_covariance = 1e-8 * NavMatrix::Identity();
-  run.initial_covariance.bottomRightCorner<2, 2>() *= 1e-4;  // the tilt is the state's
+  run.initial_covariance = 1e-8 * InertialMatrix::Identity();
+  run.initial_covariance.block<2, 2>(kGravity, kGravity) *= 1e-4;  // the tilt is the state's
   run.gyro_psd.setConstant(psd[0]);
-  NavVector x = draw(run.initial_covariance);
+  InertialVector x = InertialVector::Zero();
+  x.head<kNavDof>() = draw(run.initial_covariance.topLeftCorner<kNavDof, kNavDof>());
+  run.initial_covariance.bottomRightCorner<6, 6>().setZero();  // of random walks
+  if (bias_rate > 0.0) {  // 1 sigma of the constants 0.01 rad/s and m/s^2, the biases near them
+    constexpr double kConstant = 0.01;
+    for (int i = 0; i < 6; ++i) {
+      x[kGyroBiasMean + i] = kConstant * normal(bits);
+      x[kGyroBias + i] += x[kGyroBiasMean + i];
+      for (const int row : {kGyroBias + i, kGyroBiasMean + i})
+        for (const int column : {kGyroBias + i, kGyroBiasMean + i})
+          run.initial_covariance(row, column) += kConstant * kConstant;
+    }
+  }
   PoseVector view = PoseVector::Zero(), drift = PoseVector::Zero();
   for (int i = 0; i < scans; ++i) {
     LinearScan scan;
@@ -189,6 +205,8 @@ LinearRun drawn_run(const NoiseSetting& truth, const LidarErrors& errors, int sc
     NavMatrix q = NavMatrix::Zero();
     for (std::size_t part = 0; part < 4; ++part) {
       ImuNoise noise;
+      noise.gyro_bias_rate.setConstant(bias_rate);
+      noise.accel_bias_rate.setConstant(bias_rate);
       (part == 0   ? noise.gyro_psd
        : part == 1 ? noise.accel_psd
        : part == 2 ? noise.gyro_bias_psd
@@ -204,7 +222,8 @@ LinearRun drawn_run(const NoiseSetting& truth, const LidarErrors& errors, int sc
     scan.view_noise.diagonal().head<3>().setConstant(1e-9);
     scan.view_noise.diagonal().tail<3>().setConstant(1e-7);
     if (i > 0) {
-      x = scan.phi * x + draw(q);
+      x = with_bias_means(scan.phi) * x;
+      x.head<kNavDof>() += draw(q);
       view = scan.view_kept * view + errors.view * draw((1.0 - scan.view_kept * scan.view_kept) * scan.view_noise);
       for (int j = 0; j < 6; ++j)
         drift[j] += (j < 3 ? errors.drift_rotation : errors.drift_position) * std::sqrt(kStep) * normal(bits);
@@ -248,6 +267,21 @@ TEST(LinearLikelihood, WithTheTrueNoiseInnovationsAndHorizonsAreWhatIsExpected) 
       EXPECT_GT(other.nll, right.nll);
       EXPECT_GT(other.horizon.nll, right.horizon.nll);
     }
+  }
+}
+
+TEST(LinearLikelihood, OfBiasesInTwoPartsTooHorizonsAreWhatIsExpectedAndTellTheWandering) {
+  NoiseSetting truth;
+  truth.imu = {1.0, 1.0, 3.0, 3.0};
+  const LidarErrors errors;
+  const LinearRun run = drawn_run(truth, errors, 6000, 4, 0.05);
+  const LinearScore right = score_linear(run, truth, errors);
+  EXPECT_NEAR(right.nis / static_cast<double>(right.dof), 1.0, 4.0 * std::sqrt(2.0 / static_cast<double>(right.dof)));
+  EXPECT_NEAR(right.horizon.nis / right.horizon.dof, 1.0, 0.15);
+  for (const double factor : {0.5, 2.0}) {
+    NoiseSetting off = truth;
+    off.imu.k_gb *= factor;
+    EXPECT_GT(score_linear(run, off, errors).horizon.nll, right.horizon.nll) << factor;
   }
 }
 

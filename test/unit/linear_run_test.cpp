@@ -9,6 +9,7 @@
 #include "allan_lio/imu/imu_buffer.h"
 #include "allan_lio/imu/propagate.h"
 #include "allan_lio/io/config_source.h"
+#include "allan_lio/lio/bias_mean.h"
 #include "allan_lio/math/so3.h"
 
 namespace allan_lio {
@@ -46,6 +47,7 @@ LioResult state_at(double seconds) {
   result.state.nav.T_world_imu.translation << seconds, 2.0, 3.0;
   result.state.nav.velocity_world << 1.0, 0.0, 0.1;
   result.state.nav.gyro_bias << 1e-3, 2e-3, 3e-3;
+  result.state.nav.gyro_bias_mean << 2e-3 + 1e-4 * seconds, 1e-3, 4e-3;
   result.covariance = LioMatrix::Identity() * 1e-4;
   result.localizability.scale = kScale;
   return result;
@@ -82,10 +84,10 @@ TEST(LinearRun, ItsPartsAddUpToWhatTheFilterWouldAddWithAnyK) {
   EXPECT_LT((scan.phi - phi).norm(), 1e-12);
   EXPECT_LT((sum - q).norm(), 1e-12 * q.norm());
   EXPECT_EQ(scan.bridged, NavMatrix(NavMatrix::Zero())) << "there is neither gap nor saturation";
-  EXPECT_LT((scan.correction - nav_minus(state_at(0.35).state.nav, nav)).norm(), 1e-12);
+  EXPECT_LT((scan.correction - inertial_minus(state_at(0.35).state.nav, nav)).norm(), 1e-12);
   EXPECT_DOUBLE_EQ(scan.step, 0.15);
   EXPECT_DOUBLE_EQ(scan.time, 0.15);
-  EXPECT_EQ(run.initial_covariance, NavMatrix(1e-4 * NavMatrix::Identity()));
+  EXPECT_EQ(run.initial_covariance, InertialMatrix(1e-4 * InertialMatrix::Identity()));
   EXPECT_EQ(run.gyro_psd, Eigen::Vector3d(Eigen::Vector3d::Constant(1e-6)));
 }
 
@@ -103,7 +105,7 @@ TEST(LinearRun, DoesNotDependOnTheConfigurationsMultipliersOfTheImu) {
 TEST(LinearRun, ReadingsInOtherUnitsAreScaled) {
   std::vector<ImuSample> imu = turning_imu(1.0);
   const std::vector<LioResult> states = {state_at(0.2), state_at(0.3)};
-  const NavVector correction = run_of(noise_config(), states, imu).scans[1].correction;
+  const InertialVector correction = run_of(noise_config(), states, imu).scans[1].correction;
   for (ImuSample& sample : imu) sample.accel /= 9.80665;
   EXPECT_LT((run_of(noise_config(), states, imu, 9.80665).scans[1].correction - correction).norm(), 1e-12);
 }

@@ -154,6 +154,12 @@ TEST(Propagate, RandomWalkBiasesStayAndGaussMarkovBiasesDecay) {
   const NavState y = propagate_mean(x, motion, noise);
   EXPECT_LT((y.gyro_bias - Eigen::Vector3d(0.1, 0.2 * std::exp(-0.25), 0.3 * std::exp(-1.0))).norm(), kRounding);
   EXPECT_LT((y.accel_bias - Eigen::Vector3d(-std::exp(-0.5), -2, -3 * std::exp(-0.05))).norm(), kRounding);
+  // About a mean.
+  NavState about = x;
+  about.gyro_bias_mean << 1.0, 2.0, 3.0;
+  about.gyro_bias += about.gyro_bias_mean;
+  EXPECT_LT((propagate_mean(about, motion, noise).gyro_bias - about.gyro_bias_mean - y.gyro_bias).norm(), kRounding);
+  EXPECT_EQ(propagate_mean(about, motion, noise).gyro_bias_mean, about.gyro_bias_mean);
 }
 
 TEST(Propagate, GravityNeverChanges) {

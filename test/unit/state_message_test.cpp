@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "allan_lio/ros/finite.h"
 #include "simulated_drive.h"
 
@@ -34,6 +37,21 @@ TEST(StateMessage, HoldsTheSixDirectionsOneARowInRadiansAndMetres) {
       EXPECT_DOUBLE_EQ(message->directions[6 * k + i], i < 3 ? component / kScale : component) << k << " " << i;
     }
   }
+}
+
+TEST(StateMessage, TheCovarianceIsThatOfTheInertialStateAndTheExtrinsics) {
+  LioResult at;
+  for (int i = 0; i < kLioDof; ++i)
+    for (int j = 0; j < kLioDof; ++j) at.covariance(i, j) = 100.0 * std::min(i, j) + std::max(i, j);
+  const StatePtr message = to_state_message(at, LioSession(simulated_robot(), "", {}));
+  std::vector<int> told;
+  for (int i = 0; i < kNavDof; ++i) told.push_back(i);
+  for (int i = 0; i < 6; ++i) told.push_back(kExtrinsicRotation + i);
+  ASSERT_EQ(message->covariance.size(), told.size() * told.size());
+  for (std::size_t i = 0; i < told.size(); ++i)
+    for (std::size_t j = 0; j < told.size(); ++j)
+      EXPECT_EQ(message->covariance[told.size() * i + j], at.covariance(told[i], told[j])) << i << ' ' << j;
+  EXPECT_EQ(nav_covariance_of(*message), (at.covariance.topLeftCorner<kNavDof, kNavDof>()));
 }
 
 TEST(StateMessage, OfAScanThatWasNotRegisteredTheDirectionsAreTheAxes) {

@@ -56,7 +56,7 @@ class HorizonLikelihood {
  private:
   struct Entry {
     NavState nav;
-    NavMatrix covariance;
+    InertialMatrix covariance;
     Localizability localizability;
     bool updated;
   };

@@ -18,16 +18,17 @@ using SupportedVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 using SupportedMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 
 /// A scan of a run as an error x of the run's own states sees it, x = truth (-) state:
-///   x = phi x_before - correction + w,   cov(w) = k_g^2 noise[0] + k_a^2 noise[1] + k_gb^2 noise[2] + k_ab^2 noise[3]
+///   x = with_bias_means(phi) x_before - correction + w,   cov(w) = k_g^2 noise[0] + k_a^2 noise[1] + k_gb^2 noise[2] +
+///   k_ab^2 noise[3]
 ///                                                 + bridged,
 ///   measured = rows (pose of x - what the measurement sees beside it) + v,   cov(v) = diag(variances).
 struct LinearScan {
   double time = 0.0;  ///< since the run's first state [s]
   double step = 0.0;  ///< since the state before [s]
   NavMatrix phi = NavMatrix::Identity();
-  std::array<NavMatrix, 4> noise;            ///< with k = 1, in the order of k_g, k_a, k_gb, k_ab
-  NavMatrix bridged = NavMatrix::Zero();     ///< for gaps and saturated readings, whatever the k
-  NavVector correction = NavVector::Zero();  ///< the state (-) what the readings made of the state before
+  std::array<NavMatrix, 4> noise;                      ///< with k = 1, in the order of k_g, k_a, k_gb, k_ab
+  NavMatrix bridged = NavMatrix::Zero();               ///< for gaps and saturated readings, whatever the k
+  InertialVector correction = InertialVector::Zero();  ///< the state (-) what the readings made of the state before
 
   // The registration; no rows if there was none.
   SupportedRows rows;         ///< from the pose's error to metres at the scene's scale, one a supported direction
@@ -44,9 +45,9 @@ struct LinearScan {
 /// run of its own would take seconds and jump with every plane that is matched or not. Some 15 kB a scan.
 struct LinearRun {
   std::vector<LinearScan> scans;
-  NavMatrix initial_covariance = NavMatrix::Zero();    ///< of the first state
-  Eigen::Vector3d gyro_psd = Eigen::Vector3d::Zero();  ///< with k_g = 1 [(rad/s)^2/Hz]
-  double k_r = 1.0;                                    ///< that the run had
+  InertialMatrix initial_covariance = InertialMatrix::Zero();  ///< of the first state
+  Eigen::Vector3d gyro_psd = Eigen::Vector3d::Zero();          ///< with k_g = 1 [(rad/s)^2/Hz]
+  double k_r = 1.0;                                            ///< that the run had
 };
 
 /// Collects a run's states and makes the linear run of them.

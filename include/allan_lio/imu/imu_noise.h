@@ -89,8 +89,8 @@ struct NoiseScale {
 NoiseScale implied_scale(const NoiseSpec& asked, const NoiseSpec& known);
 
 enum class BiasModel {
-  kRandomWalk,   ///< b' = w, T = infinity: the turn-on bias stays unknown for ever
-  kGaussMarkov,  ///< b' = -b/T + w (paper, `gmmodel`): decays to zero, for an IMU whose turn-on bias is removed
+  kRandomWalk,   ///< b' = w, T = infinity
+  kGaussMarkov,  ///< b' = -(b - mean)/T + w (paper, `gmmodel`), the mean being a constant, the turn-on bias
 };
 
 /// The continuous-time noise that every estimator on this core uses: the diagonal of

@@ -30,7 +30,10 @@ struct NavState {
   Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();  ///< [m/s]
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();       ///< [rad/s]
   Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();      ///< [m/s^2]
-  Eigen::Vector3d gravity_world{0.0, 0.0, -9.80665};         ///< [m/s^2], its length never changes
+  /// What a Gauss-Markov bias decays to: its constant part, as it was at switch-on. No part of the error state here.
+  Eigen::Vector3d gyro_bias_mean = Eigen::Vector3d::Zero();   ///< [rad/s]
+  Eigen::Vector3d accel_bias_mean = Eigen::Vector3d::Zero();  ///< [m/s^2]
+  Eigen::Vector3d gravity_world{0.0, 0.0, -9.80665};          ///< [m/s^2], its length never changes
 };
 
 /// x (+) delta.

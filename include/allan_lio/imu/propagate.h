@@ -13,7 +13,7 @@ ImuInterval mean_interval(const NavState& state, const ImuSample& from, const Im
 
 /// Moves the mean over the interval, exactly for constant rate and specific force:
 /// R <- R Exp(w dt), v <- v + g dt + R Gamma_1 a dt, p <- p + v dt + g dt^2/2 + R Gamma_2 a dt^2;
-/// Gauss-Markov biases decay by exp(-dt/T). Advances the stamp by dt rounded to nanoseconds.
+/// Gauss-Markov biases decay to their means by exp(-dt/T). Advances the stamp by dt rounded to nanoseconds.
 NavState propagate_mean(const NavState& state, const ImuInterval& interval, const ImuNoise& noise);
 
 }  // namespace allan_lio

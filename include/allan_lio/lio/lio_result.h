@@ -13,12 +13,18 @@
 
 namespace allan_lio {
 
-/// The estimator's error state: the inertial one, then the LiDAR's extrinsics (right perturbation).
+/// The estimator's error state: the inertial one, what its biases decay to, and the LiDAR's extrinsics (right
+/// perturbation). A random walk has no mean; then it stays as it began, known, and moves nothing.
 enum LioIndex : int {
-  kExtrinsicRotation = kNavDof,         ///< [rad], LiDAR frame
-  kExtrinsicTranslation = kNavDof + 3,  ///< [m], IMU frame
-  kLioDof = kNavDof + 6,
+  kGyroBiasMean = kNavDof,       ///< [rad/s], IMU frame
+  kAccelBiasMean = kNavDof + 3,  ///< [m/s^2], IMU frame
+  kInertialDof = kNavDof + 6,
+  kExtrinsicRotation = kInertialDof,         ///< [rad], LiDAR frame
+  kExtrinsicTranslation = kInertialDof + 3,  ///< [m], IMU frame
+  kLioDof = kInertialDof + 6,
 };
+using InertialMatrix = Eigen::Matrix<double, kInertialDof, kInertialDof>;
+using InertialVector = Eigen::Matrix<double, kInertialDof, 1>;
 using LioMatrix = Eigen::Matrix<double, kLioDof, kLioDof>;
 using LioVector = Eigen::Matrix<double, kLioDof, 1>;
 
