@@ -98,7 +98,7 @@ def rounds(tuning):
     return section("rounds", "Rounds", "<p>Each round ran the filter with one setting and judged all others on the linear "
                    "filter of those runs; the best is the next round's. Fitted along: the noise of the LiDAR's points and of the "
                    "planes in view, as multiples of what the filter reckons with, and a drift of the map. The objective is that of the "
-                   "runs themselves.</p>", table(head, rows))
+                   "runs themselves; there is none where only the bags whose runs were lost were run.</p>", table(head, rows))
 
 
 def settings(tuning):
