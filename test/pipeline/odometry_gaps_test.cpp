@@ -114,6 +114,29 @@ TEST(OdometryFaults, ASilenceOfBothSensorsStartsAgainInPlaceWithAnHonestCovarian
   for (const LioResult& r : run.results) EXPECT_TRUE(is_finite(r));
 }
 
+TEST(OdometryFaults, AfterASilenceOfBothSensorsTheConstantPartOfTheBiasesIsStillKnown) {
+  LioConfig config = default_config(mti600_spec());
+  config.imu.bias_model = BiasModel::kGaussMarkov;
+  const Eigen::Vector3d added(2e-3, -1e-3, 1.5e-3);  // [rad/s]
+  const Drive run = stand(
+      config, 60, [](int i) { return in_gap(kStart + i * kScanStep) ? std::vector<Eigen::Vector3d>{} : room(i); },
+      [&](ImuSample& s) {
+        s.gyro += added;
+        return !in_gap(s.stamp);
+      });
+  ASSERT_EQ(run.counters.starts_in_place, 1u);
+  const LioResult& last = run.results.back();
+  EXPECT_LT((last.state.nav.gyro_bias_mean - added).norm(), 0.1 * added.norm());
+  // The run's covariance grows by the new start's unknown heading, for the mean as for the bias itself.
+  const auto sigma = [&last](int index) {
+    return Eigen::Vector3d(last.covariance.diagonal().segment<3>(index)).cwiseSqrt().eval();
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_LT(sigma(kGyroBiasMean)[axis], sigma(kGyroBias)[axis]) << "not as after switch-on";
+    EXPECT_GT(sigma(kGyroBiasMean)[axis], 0.0);
+  }
+}
+
 TEST(OdometryFaults, TheLongestSilenceThatIsBridgedIsTheConfigurations) {
   LioConfig config = default_config(mti600_spec());
   config.imu.max_gap = 5.0;
