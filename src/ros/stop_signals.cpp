@@ -18,7 +18,6 @@ StopSignals::StopSignals() {
 StopSignals::~StopSignals() {
   over_ = true;
   watcher_.join();
-  pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
 }
 
 }  // namespace allan_lio

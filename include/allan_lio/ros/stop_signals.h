@@ -10,6 +10,7 @@
 namespace allan_lio {
 
 /// SIGINT and SIGTERM as a flag. Make it before any other thread: they are blocked in all that are started later.
+/// They stay blocked after it: a program that has come to its end says how it ended, whatever comes while it goes.
 class StopSignals {
  public:
   StopSignals();
