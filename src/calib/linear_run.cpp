@@ -98,6 +98,11 @@ void measure(const LioResult& result, LinearScan& scan) {
 
 }  // namespace
 
+void LinearRunRecorder::add(const LioResult& result) {
+  if (result.standing) results_.clear();  // what that told is in its covariance
+  results_.push_back(result);
+}
+
 LinearRun LinearRunRecorder::finish(const LioConfig& config, const std::vector<ImuSample>& imu,
                                     double accel_scale) const {
   LinearRun run;

@@ -285,6 +285,11 @@ void declare_init(ParameterVisitor& v, LioConfig::Init& init) {
             "when the start may be a "
             "steady ride down a tunnel."},
            init.still_velocity_sigma, 0.05, Range::positive());
+  v.flag(
+      {"init/hold_standstill", "",
+       "For as long as the robot goes on standing where it started, and its IMU reads nothing but noise, take it for "
+       "standing still. Turn it off if that may be a steady ride."},
+      init.hold_standstill, true);
   v.number({"init/moving_time", "s", "Length of the record from which tilt is taken when the start is moving."},
            init.moving_time, 0.2, Range::between(0.01, 10.0));
   v.number({"init/moving_accel_sigma", "m/s^2",

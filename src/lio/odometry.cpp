@@ -12,6 +12,7 @@ namespace allan_lio {
 /// The whole pipeline.
 LioResult Odometry::Impl::process(Scan scan) {
   const std::vector<TrackSegment> track = propagate_to(scan.end());
+  standstill_.go_on(track);
   select_points(scan);
   LioResult result = begin_result(scan);
   deskewer_.reset();
@@ -27,6 +28,7 @@ LioResult Odometry::Impl::process(Scan scan) {
   }
 
   if (may_stand_still()) settle_standstill();
+  result.standing = hold_standstill();
   const ScanConditions conditions{seconds_between(updated_at_, state_.nav.stamp),
                                   config_.lidar.deskew ? seconds_between(scan.begin(), scan.end()) : 0.0,
                                   noise_.gyro_psd};

@@ -9,6 +9,7 @@
 #include "allan_lio/lidar/scan_downsample.h"
 #include "allan_lio/lio/iterated_update.h"
 #include "allan_lio/lio/odometry.h"
+#include "allan_lio/lio/standstill.h"
 #include "allan_lio/lio/synchronizer.h"
 #include "allan_lio/lio/zero_velocity.h"
 #include "allan_lio/map/voxel_map.h"
@@ -69,6 +70,8 @@ class Odometry::Impl {
   bool may_stand_still() const { return quiet_start_ && scans_processed_ == 1; }
   /// Takes the velocity for zero unless the scan shows motion.
   void settle_standstill();
+  /// While the first start's standstill lasts, the state is held where it began. True if it was.
+  bool hold_standstill();
 
   /// True in the first scans of a moving start: the velocity at hand when the scan was deskewed was so wrong that
   /// the map's first points are smeared by more than their noise.
@@ -109,6 +112,7 @@ class Odometry::Impl {
 
   bool initialized_ = false;
   bool quiet_start_ = false;
+  Standstill standstill_;
   RigidTransform first_pose_;  ///< T_world_imu where the map was founded
   double accel_scale_ = 1.0;
   LioState state_;

@@ -7,6 +7,7 @@ namespace allan_lio {
 
 void Odometry::Impl::set_pose(const PoseAnchor& anchor) {
   start_.again = true;
+  standstill_.end();
   start_.T_world_imu = anchor.T_world_imu;
   start_.position_covariance = anchor.position_covariance;
   start_.heading_variance = anchor.heading_variance;

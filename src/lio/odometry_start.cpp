@@ -58,6 +58,10 @@ bool Odometry::Impl::initialize_from_imu() {
   const InitOptions options{config_.imu.gravity, config_.init.gyro_still, config_.init.accel_still,
                             config_.init.velocity_sigma, config_.init.moving_accel_sigma};
   quiet_start_ = is_still(record, start_.spec, options);
+  standstill_.end();
+  // Not where the pose of the start is itself uncertain: of a standstill only the relative pose is known.
+  if (quiet_start_ && config_.init.hold_standstill && !start_.again && !config_.estimate_extrinsics)
+    standstill_.begin(record, config_.imu.spec);
   if (!quiet_start_) {  // what the tilt is taken from must lie at the start, not a second before it
     const TimeNs last = std::max(imu.oldest(), start - to_ns(config_.init.moving_time));
     record = scaled_record(last, last + to_ns(config_.init.moving_time));
@@ -131,10 +135,19 @@ void Odometry::Impl::anchor_lidar_pose() {
 void Odometry::Impl::settle_standstill() {
   LioState start = state_;
   start.nav.T_world_imu = first_pose_;
-  if (contradicts_standstill(registered_points_, start, *map_, residual_options(config_), residuals_)) return;
+  if (contradicts_standstill(registered_points_, start, *map_, residual_options(config_), residuals_)) {
+    standstill_.end();
+    return;
+  }
   update_zero_velocity(config_.init.still_velocity_sigma, state_, belief_.covariance);
   reset_absolute();  // of the map there is one scan, from a pose with the error that the start left
   if (start_.again) absolute_.remember(state_, config_.estimate_extrinsics);
+}
+
+bool Odometry::Impl::hold_standstill() {
+  if (!standstill_.lasts() || scans_processed_ < kSettlingScans) return false;
+  if (!update_standstill(first_pose_, state_, belief_, absolute_)) standstill_.end();
+  return standstill_.lasts();
 }
 
 bool Odometry::Impl::is_distorted(const Scan& scan, const Eigen::Vector3d& predicted_velocity) const {

@@ -102,6 +102,16 @@ TEST(LinearRun, DoesNotDependOnTheConfigurationsMultipliersOfTheImu) {
   EXPECT_EQ(scaled.k_r, 3.0);
 }
 
+TEST(LinearRun, BeginsWithTheLastStateThatWasHeldStanding) {
+  std::vector<LioResult> states = {state_at(0.2), state_at(0.3), state_at(0.4), state_at(0.5), state_at(0.6)};
+  states[1].standing = states[2].standing = true;
+  states[2].covariance *= 3.0;
+  const LinearRun run = run_of(noise_config(), states, turning_imu(1.0));
+  ASSERT_EQ(run.scans.size(), 3U);
+  EXPECT_NEAR(run.initial_covariance(0, 0), 3e-4, 1e-12);
+  EXPECT_DOUBLE_EQ(run.scans[1].time, 0.1);
+}
+
 TEST(LinearRun, ReadingsInOtherUnitsAreScaled) {
   std::vector<ImuSample> imu = turning_imu(1.0);
   const std::vector<LioResult> states = {state_at(0.2), state_at(0.3)};

@@ -53,8 +53,8 @@ struct LinearRun {
 /// Collects a run's states and makes the linear run of them.
 class LinearRunRecorder {
  public:
-  /// The states of a run, one after the other.
-  void add(const LioResult& result) { results_.push_back(result); }
+  /// The states of a run, one after the other. The linear run begins where a standstill that was held ended.
+  void add(const LioResult& result);
 
   /// `config` of the run, whose multipliers of the IMU play no part; `imu`: what it was given, in any order;
   /// `accel_scale`: factor from the readings to m/s^2. The noise is discretised by the trapezoid (paper,

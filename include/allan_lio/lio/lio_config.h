@@ -85,6 +85,7 @@ struct LioConfig {
     double accel_still;           ///< [m/s^2]
     double velocity_sigma;        ///< [m/s]
     double still_velocity_sigma;  ///< [m/s]
+    bool hold_standstill;         ///< for as long as it lasts
     double moving_time;           ///< [s]
     double moving_accel_sigma;    ///< [m/s^2]
   } init;

@@ -59,6 +59,7 @@ struct LioResult {
   LioState state;                                  ///< its stamp is the scan's end
   LioMatrix covariance = LioMatrix::Zero();        ///< of the error state, SI units of LioIndex
   Eigen::Vector3d gyro = Eigen::Vector3d::Zero();  ///< angular rate at the scan's end, bias off [rad/s], IMU frame
+  bool standing = false;                           ///< at the start; the state was held there
   int points = 0;                                  ///< of the decoded scan
   int registered = 0;                              ///< after downsampling, lidar/max_registered at most
   int inliers = 0;                                 ///< with a plane and inside the gate, in the last iteration

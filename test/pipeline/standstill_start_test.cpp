@@ -1,0 +1,100 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+// A start from a standstill that lasts for longer than the record from which the filter starts.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "allan_lio/eval/trajectory_error.h"
+#include "allan_lio/math/so3.h"
+#include "room_stand.h"
+#include "simulated_drive.h"
+
+namespace allan_lio {
+namespace {
+
+RigidTransform truth_at(const SimulatedDrive& drive, TimeNs stamp) {
+  const auto after = std::lower_bound(drive.truth.begin(), drive.truth.end(), stamp,
+                                      [](const StampedPose& pose, TimeNs value) { return pose.stamp < value; });
+  return after == drive.truth.end() ? drive.truth.back().pose : after->pose;
+}
+
+double speed_at(const SimulatedDrive& drive, TimeNs stamp) {
+  const Eigen::Vector3d moved = truth_at(drive, stamp).translation - truth_at(drive, stamp - to_ns(0.02)).translation;
+  return moved.norm() / 0.02;
+}
+
+/// By how much the attitude errs, as seen from the first pose [rad].
+double attitude_error(const SimulatedDrive& drive, const LioResult& first, const LioResult& now) {
+  const auto turned = [](const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+    return (from.conjugate() * to).normalized();
+  };
+  const TimeNs begin = first.state.nav.stamp, end = now.state.nav.stamp;
+  return turned(truth_at(drive, begin).rotation, truth_at(drive, end).rotation)
+      .angularDistance(turned(first.state.nav.T_world_imu.rotation, now.state.nav.T_world_imu.rotation));
+}
+
+// On flat ground a standing LiDAR sees mere rings, no plane: the filter had to dead-reckon its standstill, and the map
+// was founded by as much aside as the gyroscope had drifted by then.
+TEST(StandstillStart, OnFlatGroundTheAttitudeDoesNotDriftWhileTheRobotStands) {
+  constexpr double kDuration = 4.0, kStands = 1e-3, kGoes = 0.05;  // [s], [m/s]
+  double held = 0.0, free = 0.0;
+  constexpr std::uint64_t kSeeds = 3;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const SimulatedDrive drive = simulate_drive("field", kDuration, seed);
+    LioConfig config = simulated_robot();
+    const std::vector<LioResult> with = run_odometry(drive, config);
+    config.init.hold_standstill = false;
+    const std::vector<LioResult> without = run_odometry(drive, config);
+    std::size_t last = 0;
+    for (std::size_t i = 0; i < with.size(); ++i) {
+      EXPECT_FALSE(without[i].standing);
+      const double speed = speed_at(drive, with[i].state.nav.stamp);
+      if (speed > kGoes) EXPECT_FALSE(with[i].standing) << "at " << speed << " m/s, scan " << i;
+      if (speed < kStands && i >= 10) EXPECT_TRUE(with[i].standing) << "scan " << i;
+      if (with[i].standing) last = i;
+    }
+    ASSERT_GT(last, 20U);
+    held += std::pow(attitude_error(drive, with[0], with[last]), 2);
+    free += std::pow(attitude_error(drive, without[0], without[last]), 2);
+    const LioMatrix& p = with[last].covariance;
+    EXPECT_LT(std::sqrt(p(kTheta, kTheta)), 1e-4);
+    EXPECT_LT(p(kGyroBias, kGyroBias), 0.7 * without[last].covariance(kGyroBias, kGyroBias));
+  }
+  held = std::sqrt(held / kSeeds), free = std::sqrt(free / kSeeds);
+  RecordProperty("held_urad", static_cast<int>(1e6 * held));
+  RecordProperty("free_urad", static_cast<int>(1e6 * free));
+  EXPECT_LT(held, 1e-4) << "free: " << free;
+  EXPECT_GT(free, 2.0 * held);
+}
+
+// A steady ride feels the same to the IMU; the LiDAR tells it within the first second.
+TEST(StandstillStart, ASlowSteadyRideIsNotHeld) {
+  constexpr double kStep = 0.02;  // [m] a scan: 0.2 m/s
+  const Drive ride = stand(simulated_robot(), 60, [](int i) {
+    std::vector<Eigen::Vector3d> points = room(i);
+    for (Eigen::Vector3d& p : points) p.x() -= kStep * i;
+    return std::optional<std::vector<Eigen::Vector3d>>(points);
+  });
+  for (std::size_t i = 0; i < ride.results.size(); ++i) {
+    EXPECT_FALSE(ride.results[i].standing) << "scan " << i;
+  }
+  EXPECT_NEAR(ride.results.back().state.nav.velocity_world.norm(), kStep / 0.1, 0.01);
+}
+
+TEST(StandstillStart, ARobotThatStandsInARoomIsHeld) {
+  const Drive rest =
+      stand(simulated_robot(), 60, [](int i) { return std::optional<std::vector<Eigen::Vector3d>>(room(i)); });
+  EXPECT_TRUE(rest.results.back().standing);
+  EXPECT_LT(strayed(rest.results.back()), 2e-3);
+}
+
+TEST(StandstillStart, IsNotHeldWhereTheImusPoseIsUncertainWithTheExtrinsics) {
+  LioConfig config = simulated_robot();
+  config.estimate_extrinsics = true;
+  const auto here = [](int i) { return std::optional<std::vector<Eigen::Vector3d>>(room(i)); };
+  EXPECT_FALSE(stand(config, 30, here).results.back().standing);
+}
+
+}  // namespace
+}  // namespace allan_lio
