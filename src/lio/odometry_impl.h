@@ -113,6 +113,7 @@ class Odometry::Impl {
   bool initialized_ = false;
   bool quiet_start_ = false;
   Standstill standstill_;
+  bool held_ = false;          ///< a scan of it was
   RigidTransform first_pose_;  ///< T_world_imu where the map was founded
   double accel_scale_ = 1.0;
   LioState state_;

@@ -146,8 +146,10 @@ void Odometry::Impl::settle_standstill() {
 
 bool Odometry::Impl::hold_standstill() {
   if (!standstill_.lasts() || scans_processed_ < kSettlingScans) return false;
-  if (!update_standstill(first_pose_, state_, belief_, absolute_)) standstill_.end();
-  return standstill_.lasts();
+  if (state_.nav.stamp < standstill_.recorded_until()) return false;
+  if (!update_standstill(first_pose_, !held_, state_, belief_, absolute_)) standstill_.end();
+  held_ = standstill_.lasts();
+  return held_;
 }
 
 bool Odometry::Impl::is_distorted(const Scan& scan, const Eigen::Vector3d& predicted_velocity) const {

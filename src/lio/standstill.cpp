@@ -40,6 +40,7 @@ void Standstill::begin(const std::vector<ImuSample>& record, const NoiseSpec& sp
   const Readings found = squares / samples * (seconds_ / samples);
   lasts_ = seconds_ > 0.0 && (found < kMostNoise * kMostNoise * white).all();
   psd_ = found.max(white);
+  recorded_until_ = record.back().stamp;
 }
 
 void Standstill::go_on(const std::vector<TrackSegment>& track) {
@@ -73,7 +74,8 @@ void Standstill::compare(const Readings& mean, double seconds) {
   mean_ += seconds / seconds_ * deviation;
 }
 
-bool update_standstill(const RigidTransform& pose, LioState& state, Belief& belief, AbsoluteCovariance& absolute) {
+bool update_standstill(const RigidTransform& pose, bool first, LioState& state, Belief& belief,
+                       AbsoluteCovariance& absolute) {
   constexpr int kSeen = 9;  // attitude, position and velocity come first
   using SeenVector = Eigen::Matrix<double, kSeen, 1>;
   NavState still = state.nav;
@@ -89,7 +91,8 @@ bool update_standstill(const RigidTransform& pose, LioState& state, Belief& beli
   const Eigen::LDLT<Eigen::Matrix<double, kSeen, kSeen>> solver(expected);
   if (innovation.dot(solver.solve(innovation)) > kLargest) return false;
 
-  const Eigen::Matrix<double, kLioDof, kSeen> gain = solver.solve(belief.covariance.topRows<kSeen>()).transpose();
+  Eigen::Matrix<double, kLioDof, kSeen> gain = Eigen::Matrix<double, kLioDof, kSeen>::Identity();
+  if (!first) gain = solver.solve(belief.covariance.topRows<kSeen>()).transpose();
   const LioState updated = lio_plus(state, gain * innovation);
   LioMatrix left = LioMatrix::Identity();
   left.leftCols<kSeen>() -= gain;

@@ -153,7 +153,7 @@ TEST(UpdateStandstill, TellsPoseVelocityAndWhatGoesWithThem) {
   belief.covariance(kPosition + 1, kPosition + 1) = 1e-6;
   AbsoluteCovariance absolute;
   absolute.reset(belief.covariance);
-  ASSERT_TRUE(update_standstill(start, state, belief, absolute));
+  ASSERT_TRUE(update_standstill(start, false, state, belief, absolute));
   const double rotation = kBias * kBias * kTime * kTime, gain = rotation / (rotation + kSway * kSway);
   EXPECT_NEAR(state.nav.gyro_bias.x(), -gain * 1e-3 / kTime, 1e-6);
   EXPECT_NEAR(log_so3(start.rotation.conjugate() * state.nav.T_world_imu.rotation).x(), -(1.0 - gain) * 1e-3, 1e-8);
@@ -165,12 +165,34 @@ TEST(UpdateStandstill, TellsPoseVelocityAndWhatGoesWithThem) {
   EXPECT_LT((absolute.state() - belief.covariance).norm(), 1e-12);
 }
 
+TEST(UpdateStandstill, TheFirstOneTellsNothingOfWhatTheSameReadingsHaveTold) {
+  LioState state;
+  state.nav.T_world_imu.rotation = exp_so3({-1e-3, 0.0, 0.0});
+  state.nav.velocity_world << 0.0, 0.02, 0.0;
+  Belief belief;
+  belief.covariance.diagonal().setConstant(1e-4);
+  belief.covariance(kTheta, kGyroBias) = belief.covariance(kGyroBias, kTheta) = -9e-5;
+  belief.view.cross(kTheta, 0) = 1e-5;
+  AbsoluteCovariance absolute;
+  absolute.reset(belief.covariance);
+  ASSERT_TRUE(update_standstill(RigidTransform(), true, state, belief, absolute));
+  EXPECT_LT(state.nav.T_world_imu.rotation.angularDistance(Eigen::Quaterniond::Identity()), 1e-9);
+  EXPECT_EQ(state.nav.velocity_world.norm(), 0.0);
+  EXPECT_EQ(state.nav.gyro_bias.norm(), 0.0);
+  EXPECT_DOUBLE_EQ(belief.covariance(kGyroBias, kGyroBias), 1e-4);
+  EXPECT_NEAR(belief.covariance(kTheta, kTheta), 1e-8, 1e-13);
+  EXPECT_EQ(belief.covariance(kTheta, kGyroBias), 0.0);
+  EXPECT_EQ(belief.view.cross(kTheta, 0), 0.0);
+  EXPECT_LT((absolute.state() - belief.covariance).norm(), 1e-12);
+}
+
 TEST(UpdateStandstill, LeavesAFilterAloneThatDoesNotKnowItsVelocity) {
   LioState state;
   Belief belief;
   belief.covariance(kVelocity + 2, kVelocity + 2) = 0.2 * 0.2;
   AbsoluteCovariance absolute;
-  EXPECT_FALSE(update_standstill(RigidTransform(), state, belief, absolute)) << "it may be a steady ride in a tunnel";
+  EXPECT_FALSE(update_standstill(RigidTransform(), false, state, belief, absolute))
+      << "it may be a steady ride in a tunnel";
 }
 
 TEST(UpdateStandstill, LeavesAFilterAloneThatKnowsOfAMotion) {
@@ -182,7 +204,7 @@ TEST(UpdateStandstill, LeavesAFilterAloneThatKnowsOfAMotion) {
   AbsoluteCovariance absolute;
   absolute.reset(belief.covariance);
   const LioMatrix before = belief.covariance;
-  EXPECT_FALSE(update_standstill(RigidTransform(), state, belief, absolute));
+  EXPECT_FALSE(update_standstill(RigidTransform(), false, state, belief, absolute));
   EXPECT_EQ(state.nav.velocity_world.x(), 0.3);
   EXPECT_EQ(belief.covariance, before);
   EXPECT_EQ(absolute.state(), before);

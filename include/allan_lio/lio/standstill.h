@@ -25,6 +25,7 @@ class Standstill {
   void go_on(const std::vector<TrackSegment>& track);
 
   bool lasts() const { return lasts_; }
+  TimeNs recorded_until() const { return recorded_until_; }  ///< the end of that record
 
  private:
   using Readings = Eigen::Array<double, 6, 1>;  ///< rate [rad/s], specific force [m/s^2], IMU frame
@@ -32,13 +33,16 @@ class Standstill {
   void compare(const Readings& mean, double seconds);
 
   bool lasts_ = false;
+  TimeNs recorded_until_ = 0;
   Readings mean_ = Readings::Zero();
   Readings psd_ = Readings::Zero();  ///< of white noise
   double seconds_ = 0.0;             ///< that the mean is of
 };
 
 /// Kalman update with what a standstill at `pose`, which is exact in the filter's world, tells: pose and zero velocity.
+/// The `first` one only sets these anew: what they tell of biases and gravity is known from the same readings already.
 /// Gives false, and changes nothing, if the filter knows of a motion (chi^2) or does not know its velocity to 0.1 m/s.
-bool update_standstill(const RigidTransform& pose, LioState& state, Belief& belief, AbsoluteCovariance& absolute);
+bool update_standstill(const RigidTransform& pose, bool first, LioState& state, Belief& belief,
+                       AbsoluteCovariance& absolute);
 
 }  // namespace allan_lio
