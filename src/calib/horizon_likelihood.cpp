@@ -52,6 +52,7 @@ void advance(const Step& step, const ImuNoise& noise, Prediction& prediction) {
 }  // namespace
 
 void HorizonLikelihood::add(const LioResult& result) {
+  if (result.standing) entries_.clear();  // nothing was reckoned there
   entries_.push_back({result.state.nav, result.covariance.topLeftCorner<kInertialDof, kInertialDof>(),
                       result.localizability, result.outcome == ScanOutcome::kUpdated});
 }

@@ -48,7 +48,8 @@ NoiseProblem of_white_noise(double start) {
 TEST(LinearTuning, ALinearFilterWithTheRunsNoiseStaysWithTheRun) {
   const LinearisedTrial trial = rooms().run_linearised({});
   ASSERT_FALSE(trial.result.diverged);
-  ASSERT_EQ(trial.run.scans.size(), trial.result.scans);
+  ASSERT_LT(trial.run.scans.size(), trial.result.scans) << "it begins where the standstill ends";
+  ASSERT_GT(trial.run.scans.size(), trial.result.scans - 40);
   const LinearScore score = score_linear(trial.run, {}, {});
   // Not the same numbers: the run counts at the prediction, takes the view's error for known and has no drift.
   EXPECT_NEAR(score.nis / static_cast<double>(score.dof), trial.result.nis / static_cast<double>(trial.result.nis_dof),

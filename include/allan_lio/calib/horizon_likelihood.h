@@ -38,7 +38,7 @@ class HorizonLikelihood {
  public:
   explicit HorizonLikelihood(const LioConfig& config) : config_(config) {}
 
-  /// The states of a run, one after the other.
+  /// The states of a run, one after the other. Horizons begin where a standstill that was held ended.
   void add(const LioResult& result);
 
   /// `imu`: what the run was given, in any order; `accel_scale`: factor from the readings to m/s^2. An error that is
