@@ -14,7 +14,7 @@ import rostest
 TIME_LIMIT = 600  # [s]
 SCRIPT = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts', 'take_rviz_picture')
 # What each display must fill of the 3D view: a third of the least of what was measured [pixels]
-LEAST = {'scan': 6000, 'map': 6000, 'path': 350, 'weak axes': 150, 'ellipsoid': 400, 'colours': 1500}
+LEAST = {'scan': 6000, 'map': 6000, 'path': 350, 'weak axes': 110, 'ellipsoid': 170, 'colours': 1500}
 
 
 def missing_program():
