@@ -35,8 +35,8 @@ class Standstill {
   bool lasts_ = false;
   TimeNs recorded_until_ = 0;
   Readings mean_ = Readings::Zero();
-  Readings psd_ = Readings::Zero();  ///< of white noise
-  double seconds_ = 0.0;             ///< that the mean is of
+  Readings psd_ = Readings::Zero();  ///< of white noise [(rad/s)^2/Hz, (m/s^2)^2/Hz]
+  double seconds_ = 0.0;             ///< that the mean is of [s]
 };
 
 /// Kalman update with what a standstill at `pose`, which is exact in the filter's world, tells: pose and zero velocity.
