@@ -54,7 +54,7 @@ void advance(const Step& step, const ImuNoise& noise, Prediction& prediction) {
 void HorizonLikelihood::add(const LioResult& result) {
   if (result.standing) entries_.clear();  // nothing was reckoned there
   entries_.push_back({result.state.nav, result.covariance.topLeftCorner<kInertialDof, kInertialDof>(),
-                      result.localizability, result.outcome == ScanOutcome::kUpdated});
+                      result.localizability, result.relocated, result.outcome == ScanOutcome::kUpdated});
 }
 
 HorizonScore HorizonLikelihood::score(const std::vector<ImuSample>& imu, double accel_scale) const {
@@ -68,6 +68,9 @@ HorizonScore HorizonLikelihood::score(const std::vector<ImuSample>& imu, double 
   std::vector<Step> steps(entries_.size());  // each leads to the entry of its index
   for (std::size_t i = 1; i < entries_.size(); ++i)
     steps[i] = make_step(buffer, entries_[i - 1].nav, entries_[i].nav.stamp, config_, noise);
+  // Where the run was set right it had been wrong by more than reckoning told, whatever the noise.
+  for (std::size_t i = 1; i < entries_.size(); ++i)
+    steps[i].q.topLeftCorner<6, 6>() += entries_[i].relocated * entries_[i].relocated.transpose();
 
   std::vector<double> times;
   std::vector<bool> updated;

@@ -124,6 +124,7 @@ LinearRun LinearRunRecorder::finish(const LioConfig& config, const std::vector<I
     scan.time = seconds_between(results_[0].state.nav.stamp, nav.stamp);
     if (i > 0 && nav.stamp > results_[i - 1].state.nav.stamp)
       link(buffer, results_[i - 1].state.nav, nav, config, noise, scan);
+    scan.bridged.topLeftCorner<6, 6>() += results_[i].relocated * results_[i].relocated.transpose();
     if (results_[i].outcome == ScanOutcome::kUpdated) measure(results_[i], scan);
   }
   return run;

@@ -104,11 +104,12 @@ void put_counters(std::ostream& out, const LioCounters& c) {
       << "\n    not_newer_than_the_last: " << c.scans_dropped_order << "\n    before_first_imu: " << c.scans_before_imu
       << "\n    after_last_imu: " << c.scans_after_imu << "\n    too_few_points: " << c.scans_too_few_points
       << "\n    too_few_matches: " << c.scans_too_few_matches << "\n    imu_did_not_come: " << c.scans_overflow
-      << "\n  map_restarts: " << c.map_restarts << "\npoints:\n  invalid: " << c.points_invalid
-      << "\n  out_of_range: " << c.points_out_of_range << "\n  over_budget: " << c.points_over_budget
-      << "\nimu:\n  samples: " << c.imu_read << "\n  dropped_not_newer: " << c.imu_dropped_order
-      << "\n  dropped_invalid: " << c.imu_dropped_invalid << "\n  saturated: " << c.imu_saturated
-      << "\n  gaps: " << c.imu_gaps << "\n  starts_in_place: " << c.starts_in_place << '\n';
+      << "\n  map_restarts: " << c.map_restarts << "\n  places_found: " << c.places_found
+      << "\npoints:\n  invalid: " << c.points_invalid << "\n  out_of_range: " << c.points_out_of_range
+      << "\n  over_budget: " << c.points_over_budget << "\nimu:\n  samples: " << c.imu_read
+      << "\n  dropped_not_newer: " << c.imu_dropped_order << "\n  dropped_invalid: " << c.imu_dropped_invalid
+      << "\n  saturated: " << c.imu_saturated << "\n  gaps: " << c.imu_gaps
+      << "\n  starts_in_place: " << c.starts_in_place << '\n';
 }
 
 void put_times(std::ostream& out, const TimeStatistics& scans) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/lio/absolute_covariance.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "allan_lio/lio/point_to_plane.h"
@@ -39,6 +40,12 @@ PoseMatrix to_world(const LioState& state) {
 
 }  // namespace
 
+double surprise(const PoseVector& error, const PoseMatrix& covariance) {
+  constexpr double kLeast = 1e-12;  // [rad^2, m^2], so that a certain pose can be surprised too
+  const PoseMatrix regular = covariance + kLeast * PoseMatrix::Identity();
+  return std::max(0.0, 1.0 - 1.0 / error.dot(regular.ldlt().solve(error)));
+}
+
 void AbsoluteCovariance::reset(const LioMatrix& covariance) {
   state_ = covariance;
   forget_map();
@@ -68,6 +75,22 @@ std::vector<PoseMatrix> AbsoluteCovariance::relative_to_parts(const LioState& st
                   mixed.transpose());
   }
   return out;
+}
+
+void AbsoluteCovariance::add_surprise(const PoseVector& step, const LioState& state, std::uint32_t last_epoch) {
+  LioVector error = LioVector::Zero();
+  error.segment<3>(kTheta) = step.head<3>();
+  error.segment<3>(kPosition) = step.tail<3>();
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDof, 1> of_map(dof());
+  of_map.setZero();
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    if (parts_[i].last_epoch > last_epoch)
+      of_map.segment<6>(column(i)) =
+          shift(parts_[i].reference - state.nav.T_world_imu.translation) * to_world(state) * step;
+  const double lacking = surprise(step, state_.topLeftCorner<6, 6>());
+  state_ += lacking * error * error.transpose();
+  cross_ += lacking * error * of_map.transpose();
+  own_ += lacking * of_map * of_map.transpose();
 }
 
 void AbsoluteCovariance::transform(const LioMatrix& T) {

@@ -104,6 +104,11 @@ int weak_axes(const Localizability& localizability) {
   return static_cast<int>((localizability.support.array() < kSupported).count());
 }
 
+std::string describe_relocation(const PoseVector& step) {
+  return text("the run had come back %.2f m and %.2f deg aside of its map and was set to where the scan fits",
+              step.tail<3>().norm(), step.head<3>().norm() * 180.0 / M_PI);
+}
+
 Health judge_health(const HealthWindow& window, const LioResult& last, const HealthFacts& facts) {
   Verdict verdict;
   const NisWindow nis = window.nis();
@@ -114,6 +119,7 @@ Health judge_health(const HealthWindow& window, const LioResult& last, const Hea
     verdict.add(HealthLevel::kWarn, last.outcome == ScanOutcome::kTooFewPoints ? "the scan has too few points"
                                                                                : "the scan does not match the map");
   if (last.outcome == ScanOutcome::kMapRestarted) verdict.add(HealthLevel::kWarn, "the map was started anew");
+  if (!last.relocated.isZero(0.0)) verdict.add(HealthLevel::kWarn, describe_relocation(last.relocated));
   const bool updated = last.outcome == ScanOutcome::kUpdated;
   if (const int weak = updated ? weak_axes(last.localizability) : 0; weak > 0)
     verdict.add(HealthLevel::kWarn, text("%.0f of 6 directions are left to the IMU", weak));

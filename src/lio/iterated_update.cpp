@@ -74,6 +74,23 @@ const std::vector<Eigen::Vector3f>& moved_points(const std::vector<Eigen::Vector
   return moved;
 }
 
+/// As an error of the state.
+LioVector state_error(const PoseVector& pose) {
+  LioVector out = LioVector::Zero();
+  out.segment<3>(kTheta) = pose.head<3>();
+  out.segment<3>(kPosition) = pose.tail<3>();
+  return out;
+}
+
+/// Of two steps of the pose: nearer to each other than half the second one.
+bool is_near(const PoseVector& step, const PoseVector& proposed) {
+  constexpr double kLever = 10.0;  // [m]
+  const auto metres = [](const PoseVector& pose) {
+    return std::hypot(kLever * pose.head<3>().norm(), pose.tail<3>().norm());
+  };
+  return metres(step - proposed) < 0.5 * metres(proposed);
+}
+
 bool converged(const LioVector& step, const LioConfig::Update& options) {
   return step.segment<3>(kTheta).norm() < options.rotation_tolerance &&
          step.segment<3>(kPosition).norm() < options.translation_tolerance;
@@ -102,19 +119,31 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
   uncertainty.parts = absolute.relative_to_parts(state, estimate);
   const LioState prior = state;
   const Belief before = belief;
+  LioState iterate = prior;
+  UpdateReport report;
+  std::optional<AbsoluteCovariance> absolute_before;
+  if (conditions.place) {  // then both covariances are to hold this error
+    absolute_before = absolute;
+    const LioVector error = state_error(conditions.place->step);
+    belief.covariance +=
+        surprise(conditions.place->step, belief.covariance.topLeftCorner<6, 6>()) * error * error.transpose();
+    absolute.add_surprise(conditions.place->step, state, conditions.place->last_epoch);
+    uncertainty = scan_uncertainty(belief, scan, lidar_pose_rows(state, estimate), conditions);
+    uncertainty.parts = absolute.relative_to_parts(state, estimate);
+    iterate = lio_plus(prior, error);
+  }
   Belief prior_belief = belief;  // the view has changed since
   UsedMeasurement used;
   used.view_kept = std::exp(-conditions.since_update / kViewTime);
   used.scan = scan;
 
-  UpdateReport report;
-  LioState iterate = prior;
   std::vector<Eigen::Vector3f> moved;
   for (int i = 0; i < config.update.max_iterations; ++i) {
     const auto& points = moved_points(points_imu, iterate, prior, estimate, moved);
     const NormalEquations equations = residuals.linearize(points, iterate, uncertainty, map, options, last_epochs);
     if (equations.inliers < kLeastInliers) {
       belief = before;
+      if (absolute_before) absolute = *absolute_before;
       return UpdateReport{};
     }
     report.localizability = judge(equations, residuals, points, iterate, config.update.support_floor);
@@ -122,8 +151,9 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
     if (i == 0) {
       used.view_noise = view_noise(equations, report.localizability);
       prior_belief.view.change(used.view_kept, used.view_noise);
-      report.innovation = pose_innovation(equations.information.topLeftCorner<6, 6>(), equations.gradient.head<6>(),
-                                          uncertainty.pose, report.localizability);
+      if (!conditions.place)  // else the gradient is not the prediction's
+        report.innovation = pose_innovation(equations.information.topLeftCorner<6, 6>(), equations.gradient.head<6>(),
+                                            uncertainty.pose, report.localizability);
     }
     const UpdateStep solution =
         solve_step(iterate, prior, prior_belief, scan,
@@ -152,6 +182,7 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
   absolute.transform(transport(used.state, prior));
   absolute.update(used, estimate);
   absolute.transform(transport(iterate, used.state));
+  report.relocated = conditions.place && is_near(lio_minus(iterate, prior).head<6>(), conditions.place->step);
   state = iterate;
   report.applied = true;
   return report;

@@ -262,6 +262,11 @@ void declare_update(ParameterVisitor& v, LioConfig::Update& update) {
             "many times what the noise of the map's normals feigns.",
             kLive},
            update.support_floor, 4.0, Range::not_negative());
+  v.flag({"update/relocalize", "",
+          "A run that has drifted by a decimetre looks for its old map beside, by up to ten sigma and 2 m, and sets "
+          "itself "
+          "right there (structure: planes). Turn it off if the pose must not jump."},
+         update.relocalize, true);
 }
 
 void declare_init(ParameterVisitor& v, LioConfig::Init& init) {

@@ -28,12 +28,7 @@ LioResult Odometry::Impl::process(Scan scan) {
   }
 
   if (may_stand_still()) settle_standstill();
-  const ScanConditions conditions{seconds_between(updated_at_, state_.nav.stamp),
-                                  config_.lidar.deskew ? seconds_between(scan.begin(), scan.end()) : 0.0,
-                                  noise_.gyro_psd};
-  const UpdateReport report =
-      iterated_update(registered_points_, *map_, config_, conditions, residuals_, state_, belief_, absolute_);
-  describe(report, result);
+  const UpdateReport report = register_scan(scan, result);
   result.standing = hold_standstill();
   if (!report.applied) return finish(settle_unmatched(), std::move(scan), result);
 

@@ -127,6 +127,11 @@ void Odometry::Impl::insert_scan() {
   inserted_at_ = T_world_imu;
 }
 
+void Odometry::Impl::clear_map() {
+  map_->clear();
+  places_.forget();
+}
+
 bool Odometry::Impl::moved_since_insertion() const {
   const RigidTransform motion = inserted_at_.inverse() * state_.nav.T_world_imu;
   return motion.translation.norm() > config_.map.insert_distance ||
@@ -138,7 +143,7 @@ ScanOutcome Odometry::Impl::settle_unmatched() {
   if (!map_proven_) {  // the first scans may be too thin to make planes; on flat ground it takes motion to fill them
     if (scans_processed_ <= kSettlingScans || moved_since_insertion()) insert_scan();
   } else if (unmatched_in_a_row_ >= kLostAfter) {
-    map_->clear();
+    clear_map();
     map_proven_ = false;
     anchor_pose();
     absolute_.forget_map();
@@ -147,6 +152,27 @@ ScanOutcome Odometry::Impl::settle_unmatched() {
     return ScanOutcome::kMapRestarted;
   }
   return ScanOutcome::kTooFewMatches;
+}
+
+UpdateReport Odometry::Impl::register_scan(const Scan& scan, LioResult& result) {
+  ScanConditions conditions{seconds_between(updated_at_, state_.nav.stamp),
+                            config_.lidar.deskew ? seconds_between(scan.begin(), scan.end()) : 0.0, noise_.gyro_psd};
+  if (config_.update.relocalize && config_.map.structure == MapStructure::kPlanes)
+    conditions.place = places_.look(registered_points_, state_, *map_, absolute_, config_.estimate_extrinsics);
+  const auto update = [&] {
+    return iterated_update(registered_points_, *map_, config_, conditions, residuals_, state_, belief_, absolute_);
+  };
+  UpdateReport report = update();
+  if (conditions.place && !report.applied) {
+    conditions.place.reset();
+    report = update();
+  }
+  if (report.relocated) {
+    ++counters_.places_found;
+    result.relocated = conditions.place->step;
+  }
+  describe(report, result);
+  return report;
 }
 
 LioResult Odometry::Impl::begin_result(const Scan& scan) const {

@@ -9,6 +9,7 @@
 #include "allan_lio/lidar/scan_downsample.h"
 #include "allan_lio/lio/iterated_update.h"
 #include "allan_lio/lio/odometry.h"
+#include "allan_lio/lio/place_search.h"
 #include "allan_lio/lio/standstill.h"
 #include "allan_lio/lio/synchronizer.h"
 #include "allan_lio/lio/zero_velocity.h"
@@ -49,6 +50,7 @@ class Odometry::Impl {
   Deskewer make_deskewer(const Scan& scan, const std::vector<TrackSegment>& track, const NavState& reference) const;
   void deskew_points(const Scan& scan);
   void insert_scan();
+  void clear_map();
   /// Points that are added from one place share one pose's error: a standing sensor would make its own yardstick.
   bool moved_since_insertion() const;
   /// A scan without matches: it adds to a map to which none was registered yet; of a map that was good before, too
@@ -65,6 +67,9 @@ class Odometry::Impl {
   /// The map is the LiDAR's: when the extrinsics are estimated it is the LiDAR's pose that is known exactly, and the
   /// IMU's is as uncertain as the extrinsics.
   void anchor_lidar_pose();
+
+  /// Updates by the scan at hand; where the run has come back aside of its map, from the place that it fits there.
+  UpdateReport register_scan(const Scan& scan, LioResult& result);
 
   /// True at the second scan of a start whose IMU is quiet.
   bool may_stand_still() const { return quiet_start_ && scans_processed_ == 1; }
@@ -119,6 +124,7 @@ class Odometry::Impl {
   LioState state_;
   Belief belief_;
   AbsoluteCovariance absolute_;
+  PlaceSearch places_;
   TimeNs updated_at_ = 0;                           ///< stamp of the last update
   TimeNs started_at_ = 0;                           ///< stamp at which the state was made from the IMU alone
   Eigen::Vector3d gyro_ = Eigen::Vector3d::Zero();  ///< at the state's stamp, bias off [rad/s]

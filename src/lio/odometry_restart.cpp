@@ -60,7 +60,7 @@ void Odometry::Impl::start_in_place(const ImuBuffer::Silence& silence, Scan scan
   start_.spec.accel.turn_on_bias = accel.turn_on;
 
   belief_ = Belief{};
-  map_->clear();
+  clear_map();
   map_proven_ = false;
   unmatched_in_a_row_ = scans_processed_ = 0;
   initialized_ = false;

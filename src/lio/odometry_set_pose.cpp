@@ -12,7 +12,7 @@ void Odometry::Impl::set_pose(const PoseAnchor& anchor) {
   start_.position_covariance = anchor.position_covariance;
   start_.heading_variance = anchor.heading_variance;
   if (map_->voxels() == 0) return;  // the first scan founds the map there
-  map_->clear();
+  clear_map();
   map_proven_ = false;
   unmatched_in_a_row_ = 0;
   make_first_pose();

@@ -172,7 +172,7 @@ void Odometry::Impl::found_map_again(const Scan& scan, std::vector<TrackSegment>
   }
   deskewer_ = make_deskewer(scan, track, reference);
   deskew_points(scan);
-  map_->clear();
+  clear_map();
   anchor_pose();
   reset_absolute();
 }

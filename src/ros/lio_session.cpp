@@ -10,6 +10,7 @@
 #include "allan_lio/imu/noise_report.h"
 #include "allan_lio/io/live_parameters.h"
 #include "allan_lio/io/tum.h"
+#include "allan_lio/lio/health.h"
 #include "allan_lio/ros/conversions.h"
 
 namespace allan_lio {
@@ -141,6 +142,8 @@ void LioSession::take_results() {
 void LioSession::take_note(const LioResult& result) {
   const bool used = result.outcome != ScanOutcome::kTooFewPoints && result.outcome != ScanOutcome::kTooFewMatches;
   if (used) clocks_.begin_again();
+  if (!result.relocated.isZero(0.0))
+    relocated_ = moment() + describe_relocation(result.relocated) + " (update/relocalize)";
   if (odometry_->counters().starts_in_place == starts_in_place_) return;
   starts_in_place_ = odometry_->counters().starts_in_place;
   restarted_ = moment() +

@@ -50,6 +50,8 @@ void LioSession::finish(const std::string& status) {
     summary.notes.push_back(std::to_string(undecodable_) +
                             " messages could not be decoded; the last: " + last_refusal_);
   if (restarts_ > 0) summary.notes.push_back(restarted_ + " (" + std::to_string(restarts_) + " times in all)");
+  if (!relocated_.empty())
+    summary.notes.push_back(relocated_ + " (" + std::to_string(summary.counters.places_found) + " times in all)");
   summary.inputs = inputs_;
   summary.status = status;
   writer_->finish(summary);

@@ -87,6 +87,8 @@ void LioWrapper::start_again() {
 void LioWrapper::tell_news() {
   if (session_->restarts() != told_restarts_) ROS_WARN_STREAM(session_->restarted());
   told_restarts_ = session_->restarts();
+  if (session_->relocated() != told_relocated_) ROS_WARN_STREAM(session_->relocated());
+  told_relocated_ = session_->relocated();
   if (!session_->output_trouble().empty() && !std::exchange(told_output_trouble_, true))
     ROS_ERROR_STREAM(session_->output_trouble() << "; the odometry goes on, results are lost");
   const std::string clocks = session_->clock_trouble();

@@ -55,6 +55,36 @@ TEST(OdometryFaults, EmptyScansLeaveItToTheImu) {
   EXPECT_LT(strayed(run.results.back()), 0.05);
 }
 
+TEST(OdometryFaults, ARunThatIsAsideOfItsMapAfterASilenceOfTheLidarFindsItsPlaceAndSaysSo) {
+  // 8 s without scans, in which the accelerometer is off by 3 mg: 1 m, seven sigma and two voxels.
+  constexpr int kFrom = 40, kUntil = 120;
+  LioConfig config = default_config(mti600_spec());
+  config.init.hold_standstill = false;
+  config.map.insert_distance = 1e-6;  // so that the map has parts older than what comes
+  for (const bool relocalize : {false, true}) {
+    config.update.relocalize = relocalize;
+    const Drive run = stand(
+        config, 160, [](int i) { return i >= kFrom && i < kUntil ? std::nullopt : std::make_optional(room(i)); },
+        [](ImuSample& sample) {
+          const TimeNs since = sample.stamp - kStart;
+          if (since > kFrom * kScanStep && since < kUntil * kScanStep) sample.accel.x() += 0.03;
+          return true;
+        });
+    double aside = 0.0;
+    for (const LioResult& r : run.results) aside = std::max(aside, r.relocated.tail<3>().norm());
+    if (relocalize) {
+      EXPECT_LT(strayed(run.results.back()), 0.03);
+      EXPECT_LT(run.results.back().state.nav.velocity_world.norm(), 0.02);
+      EXPECT_EQ(run.counters.places_found, 1u);
+      EXPECT_NEAR(aside, 1.0, 0.2);
+    } else {
+      EXPECT_GT(strayed(run.results.back()), 0.4) << "it has made its walls anew";
+      EXPECT_EQ(run.counters.places_found, 0u);
+      EXPECT_EQ(aside, 0.0);
+    }
+  }
+}
+
 TEST(OdometryFaults, AFirstScanWithoutDurationMakesNoNaNInAnyDiscretization) {
   for (const Discretization method :
        {Discretization::kEuler, Discretization::kTrapezoid, Discretization::kDiscrete, Discretization::kVanLoan}) {

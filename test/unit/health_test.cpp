@@ -46,6 +46,14 @@ TEST(Health, an_honest_filter_is_well_and_its_nis_lies_in_the_band_of_its_window
   EXPECT_NEAR(600 * nis.high, 669.8, 0.1);
 }
 
+TEST(Health, a_run_that_found_its_place_aside_says_how_far) {
+  Watched run(150);
+  LioResult result = scan(150);
+  result.relocated[4] = -0.72;
+  run.add(result);
+  expect(run.judge(), HealthLevel::kWarn, "come back 0.72 m and 0.00 deg aside");
+}
+
 TEST(Health, before_the_first_update_nothing_is_said_of_the_nis) {
   const Watched run(0);
   EXPECT_EQ(run.window.nis().scans, 0);

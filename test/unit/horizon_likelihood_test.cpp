@@ -120,6 +120,25 @@ TEST(HorizonLikelihood, WithTheTrueNoiseTheErrorsAreWhatIsExpectedAndTheLikeliho
   }
 }
 
+TEST(HorizonLikelihood, WhereTheRunWasSetRightTheErrorIsNotTheNoises) {
+  // Half a metre, 20 s after the start, that no reading tells of.
+  const auto score = [](double told) {
+    HorizonLikelihood likelihood(noise_config());
+    for (int i = 0; i <= 400; ++i) {
+      LioResult result = rest_at(i * kSamplesPerScan / kImuRate);
+      if (i >= 200) result.state.nav.T_world_imu.translation.x() = 0.5;
+      if (i == 200) result.relocated[3] = told;
+      likelihood.add(result);
+    }
+    std::vector<ImuSample> imu = imu_at_rest(40.0);
+    add_noise(imu, 1.0, 5);
+    const HorizonScore found = likelihood.score(imu, 1.0);
+    return found.nis / found.dof;
+  };
+  EXPECT_GT(score(0.0), 3.0);
+  EXPECT_NEAR(score(0.5), 1.0, 0.4);
+}
+
 TEST(HorizonLikelihood, WhatNoScanSupportsScoresNothing) {
   const auto blind = [](LioResult& result) { result.localizability.support.setZero(); };
   const HorizonScore score = at_rest(40.0, noise_config(), blind).score(imu_at_rest(40.0), 1.0);

@@ -112,6 +112,15 @@ TEST(LinearRun, BeginsWithTheLastStateThatWasHeldStanding) {
   EXPECT_DOUBLE_EQ(run.scans[1].time, 0.1);
 }
 
+TEST(LinearRun, WhereTheRunWasSetRightTheErrorMayBeThatMuchWhateverTheK) {
+  std::vector<LioResult> states = {state_at(0.2), state_at(0.3)};
+  states[1].relocated << 0.0, 0.0, 0.02, 0.6, 0.0, 0.0;
+  const NavMatrix bridged = run_of(noise_config(), states, turning_imu(1.0)).scans[1].bridged;
+  EXPECT_NEAR(bridged(kPosition, kPosition), 0.36, 1e-12);
+  EXPECT_NEAR(bridged(kTheta + 2, kPosition), 0.012, 1e-12);
+  EXPECT_EQ(bridged(kVelocity, kVelocity), 0.0);
+}
+
 TEST(LinearRun, ReadingsInOtherUnitsAreScaled) {
   std::vector<ImuSample> imu = turning_imu(1.0);
   const std::vector<LioResult> states = {state_at(0.2), state_at(0.3)};

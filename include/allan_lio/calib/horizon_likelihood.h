@@ -58,6 +58,7 @@ class HorizonLikelihood {
     NavState nav;
     InertialMatrix covariance;
     Localizability localizability;
+    PoseVector relocated;
     bool updated;
   };
 

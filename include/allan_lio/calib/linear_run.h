@@ -27,7 +27,7 @@ struct LinearScan {
   double step = 0.0;  ///< since the state before [s]
   NavMatrix phi = NavMatrix::Identity();
   std::array<NavMatrix, 4> noise;                      ///< with k = 1, in the order of k_g, k_a, k_gb, k_ab
-  NavMatrix bridged = NavMatrix::Zero();               ///< for gaps and saturated readings, whatever the k
+  NavMatrix bridged = NavMatrix::Zero();               ///< for gaps, saturated readings, relocations, whatever the k
   InertialVector correction = InertialVector::Zero();  ///< the state (-) what the readings made of the state before
 
   // The registration; no rows if there was none.

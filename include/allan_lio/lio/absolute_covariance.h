@@ -25,6 +25,9 @@ struct UsedMeasurement {
   ScanError scan;         ///< what deskewing added
 };
 
+/// The part of the square of an error that a covariance lacks to hold it within one sigma: 1 - 1 / (e^T P^-1 e), or 0.
+double surprise(const PoseVector& error, const PoseMatrix& covariance);
+
 /// The covariance of the run's error in the world of its first pose, whatever the filter believes.
 ///
 /// The filter takes its map for true; that makes it track the surroundings well and is right for what is relative to
@@ -47,6 +50,11 @@ class AbsoluteCovariance {
 
   /// Covariance of the LiDAR's pose (as one of the IMU's) against each part of the map.
   std::vector<PoseMatrix> relative_to_parts(const LioState& state, bool estimate_extrinsics) const;
+
+  /// The pose turns out to err by `step` (rotation in the IMU's frame [rad], translation in the world [m]) since it
+  /// left the part of the map that ends at `last_epoch`, and so do the parts made after that: the covariance becomes
+  /// such that this is one sigma, if it is more (surprise()).
+  void add_surprise(const PoseVector& step, const LioState& state, std::uint32_t last_epoch);
 
   /// The state's error goes over to T times itself.
   void transform(const LioMatrix& T);

@@ -16,4 +16,7 @@ namespace allan_lio {
 /// there and stays.
 OldPlanes old_planes(const std::vector<PoseMatrix>& against_parts, const std::vector<std::uint32_t>& last_epochs);
 
+/// The part whose position the run has drifted off the farthest; null if there is no part.
+const PoseMatrix* farthest_part(const std::vector<PoseMatrix>& against_parts);
+
 }  // namespace allan_lio

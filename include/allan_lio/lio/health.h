@@ -73,6 +73,9 @@ struct HealthFacts {
   std::string output_trouble;    ///< why results don't reach the disk, empty if they do
 };
 
+/// What became of a run that had come back aside of its map, by the step that set it right (LioResult::relocated).
+std::string describe_relocation(const PoseVector& step);
+
 /// The health of a filter that gave `last` as its last result.
 Health judge_health(const HealthWindow& window, const LioResult& last, const HealthFacts& facts);
 

@@ -77,6 +77,7 @@ struct LioConfig {
     double gate;                   ///< [sigma]
     double robust_scale;           ///< [sigma]
     double support_floor;          ///< [1]
+    bool relocalize;               ///< look for an old place when drifted (PlaceSearch)
   } update;
 
   struct Init {

@@ -65,6 +65,9 @@ struct LioResult {
   int inliers = 0;                                 ///< with a plane and inside the gate, in the last iteration
   int iterations = 0;
   double residual_rms = 0.0;  ///< of the inliers, point to plane [m]
+  /// Step of the pose (rotation in the IMU's frame [rad], translation in the world [m]) by which a run that had come
+  /// back aside of its map was set right before the update (PlaceSearch); zero: it was not.
+  PoseVector relocated = PoseVector::Zero();
   Localizability localizability;
   PoseInnovation innovation;    ///< of the scan against the prediction; 0 degrees of freedom without an update
   ScanMeasurement measurement;  ///< of kUpdated
@@ -80,6 +83,7 @@ struct LioCounters {
   std::uint64_t scans_read = 0;
   std::uint64_t scans_used = 0;           ///< kUpdated, kFirst and kMapRestarted
   std::uint64_t map_restarts = 0;         ///< kMapRestarted
+  std::uint64_t places_found = 0;         ///< the run had come back aside of its map and was set right (PlaceSearch)
   std::uint64_t starts_in_place = 0;      ///< after a silence of the IMU longer than imu/max_gap
   std::uint64_t scans_dropped_order = 0;  ///< older than the newest one taken
   std::uint64_t scans_before_imu = 0;     ///< begin before the first IMU sample

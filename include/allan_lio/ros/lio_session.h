@@ -86,6 +86,10 @@ class LioSession {
   const std::string& restarted() const { return restarted_; }
   std::uint64_t restarts() const { return restarts_; }
 
+  /// A sentence on the last time that the pose jumped to where the scan fitted the map from before (PlaceSearch),
+  /// empty if it never did.
+  const std::string& relocated() const { return relocated_; }
+
   /// Why results are lost on their way to the disk (RunWriter::trouble()), empty if none are.
   std::string output_trouble() const { return writer_ ? writer_->trouble() : ""; }
 
@@ -125,6 +129,7 @@ class LioSession {
   bool new_cloud_to_come_ = false;  ///< clouds from before the restart may still be on their way
   std::string restarted_;
   std::uint64_t restarts_ = 0;
+  std::string relocated_;
   double pending_seconds_ = 0.0;  ///< CPU time spent since the last result [s]
   double cpu_seconds_ = 0.0, scan_seconds_ = 0.0;
   TimeNs last_result_ = 0;  ///< its stamp

@@ -62,6 +62,7 @@ class LioWrapper {
   bool told_noise_ = false;
   std::size_t told_remarks_ = 0;
   std::uint64_t told_restarts_ = 0;
+  std::string told_relocated_;
   bool told_output_trouble_ = false;
   std::vector<std::uint8_t> cloud_bytes_;
   bool finished_ = false;
