@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/lio/absolute_covariance.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "allan_lio/lio/point_to_plane.h"
@@ -11,7 +10,7 @@
 namespace allan_lio {
 namespace {
 
-constexpr double kLever = 10.0;  ///< [m], at which the rotations of two parts are compared
+constexpr double kLever = 10.0;  ///< [m], at which rotations are compared with translations
 
 using StateRows = Eigen::Matrix<double, 6, kLioDof>;
 
@@ -41,9 +40,10 @@ PoseMatrix to_world(const LioState& state) {
 }  // namespace
 
 double surprise(const PoseVector& error, const PoseMatrix& covariance) {
-  constexpr double kLeast = 1e-12;  // [rad^2, m^2], so that a certain pose can be surprised too
-  const PoseMatrix regular = covariance + kLeast * PoseMatrix::Identity();
-  return std::max(0.0, 1.0 - 1.0 / error.dot(regular.ldlt().solve(error)));
+  PoseVector scale = PoseVector::Ones();
+  scale.head<3>().setConstant(kLever);
+  const PoseVector scaled = error.cwiseProduct(scale), direction = scaled.normalized().cwiseProduct(scale);
+  return std::max(0.0, 1.0 - direction.dot(covariance * direction) / scaled.squaredNorm());
 }
 
 void AbsoluteCovariance::reset(const LioMatrix& covariance) {

@@ -122,7 +122,7 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
   LioState iterate = prior;
   UpdateReport report;
   std::optional<AbsoluteCovariance> absolute_before;
-  if (conditions.place) {  // then both covariances are to hold this error
+  if (conditions.place) {  // then both covariances are to know of this error
     absolute_before = absolute;
     const LioVector error = state_error(conditions.place->step);
     belief.covariance +=

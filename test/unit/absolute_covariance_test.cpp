@@ -126,6 +126,41 @@ TEST(AbsoluteCovariance, PartsThatDifferLeastAreGivenUpAndTheResultStaysACovaria
   EXPECT_GT(solver.eigenvalues().minCoeff(), -1e-12);
 }
 
+TEST(AbsoluteCovariance, AnErrorThatIsFoundIsAddedOnceAndThePartsMadeSinceErrAlike) {
+  AbsoluteCovariance absolute;
+  absolute.reset(1e-8 * LioMatrix::Identity());
+  absolute.remember(LioState{}, false);
+  absolute.add(position_noise(0.1));
+  absolute.remember(LioState{}, false);
+  PoseVector step;
+  step << 0.0, 0.0, 0.0, 0.8, 0.0, 0.0;
+  absolute.add_surprise(step, LioState{}, 0);
+  EXPECT_NEAR(std::sqrt(absolute.state()(kPosition, kPosition)), 0.8, 1e-6);
+  const std::vector<PoseMatrix> parts = absolute.relative_to_parts(LioState{}, false);
+  EXPECT_NEAR(std::sqrt(parts[0](3, 3)), 0.8, 1e-3);
+  EXPECT_LT(std::sqrt(parts[1](3, 3)), 1e-3);
+  // Found again, it is not quite the same.
+  step << 0.0, 0.0, 1e-3, 0.79, 0.03, 0.0;
+  for (int i = 0; i < 10; ++i) absolute.add_surprise(step, LioState{}, 0);
+  EXPECT_LT(std::sqrt(absolute.state()(kPosition, kPosition)), 0.81);
+}
+
+TEST(AbsoluteCovariance, AnErrorInTheHeadingMovesThePartsThatWereMadeFarAway) {
+  LioState there, here;
+  there.nav.T_world_imu.translation.x() = 20.0;
+  AbsoluteCovariance absolute;
+  absolute.reset(1e-12 * LioMatrix::Identity());
+  absolute.remember(here, false);
+  absolute.remember(there, false);
+  PoseVector step;
+  step << 0.0, 0.0, 0.01, 0.0, 0.0, 0.0;
+  absolute.add_surprise(step, here, 0);
+  const std::vector<PoseMatrix> parts = absolute.relative_to_parts(here, false);
+  EXPECT_NEAR(std::sqrt(parts[0](2, 2)), 0.01, 1e-4);
+  EXPECT_LT(std::sqrt(parts[1](2, 2)), 1e-4) << "it has turned about the pose, as the pose did";
+  EXPECT_LT(std::sqrt(parts[1](4, 4)), 1e-4);
+}
+
 TEST(ViewError, GoesTowardsTheNoiseAndForgetsItself) {
   ViewError view;
   view.cross.setOnes();

@@ -25,7 +25,9 @@ struct UsedMeasurement {
   ScanError scan;         ///< what deskewing added
 };
 
-/// The part of the square of an error that a covariance lacks to hold it within one sigma: 1 - 1 / (e^T P^-1 e), or 0.
+/// The part of the square of an error of the pose (rotation [rad], translation [m]) that a covariance lacks to have it
+/// for its sigma in that direction: 1 - e^T P e / |e|^4, or 0, with rotations as ways at ten metres. Not by e^T P^-1 e:
+/// found again, an error is never quite the same, and what lies beside it is known well, so it would be added again.
 double surprise(const PoseVector& error, const PoseMatrix& covariance);
 
 /// The covariance of the run's error in the world of its first pose, whatever the filter believes.
@@ -53,7 +55,7 @@ class AbsoluteCovariance {
 
   /// The pose turns out to err by `step` (rotation in the IMU's frame [rad], translation in the world [m]) since it
   /// left the part of the map that ends at `last_epoch`, and so do the parts made after that: the covariance becomes
-  /// such that this is one sigma, if it is more (surprise()).
+  /// such that this is its sigma in that direction, if it is less (surprise()).
   void add_surprise(const PoseVector& step, const LioState& state, std::uint32_t last_epoch);
 
   /// The state's error goes over to T times itself.
