@@ -86,7 +86,7 @@ std::string states_row(const LioResult& result) {
   const Eigen::Matrix3d v = imu_velocity_covariance(nav, covariance);
   put(Eigen::Vector3d(v(0, 0), v(0, 1), v(0, 2)));
   put(Eigen::Vector3d(v(1, 1), v(1, 2), v(2, 2)));
-  out << ',' << result.innovation.nis << ',' << result.innovation.dof;  // 0 degrees of freedom: nothing was measured
+  out << ',' << result.innovation.nis << ',' << result.innovation.dof;  // 0 degrees of freedom: no update, or relocated
   put(result.innovation.whitened);
   return out.str();
 }

@@ -69,7 +69,8 @@ struct LioResult {
   /// back aside of its map was set right before the update (PlaceSearch); zero: it was not.
   PoseVector relocated = PoseVector::Zero();
   Localizability localizability;
-  PoseInnovation innovation;    ///< of the scan against the prediction; 0 degrees of freedom without an update
+  PoseInnovation
+      innovation;  ///< of the scan against the prediction; 0 degrees of freedom without an update, or relocated
   ScanMeasurement measurement;  ///< of kUpdated
 };
 
