@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
@@ -135,6 +136,37 @@ TEST(LioSession, the_summary_holds_the_parameters_in_force_at_the_end_and_those_
   EXPECT_EQ(summary["parameters"]["imu"]["k_gb"].as<double>(), 25.0);
   EXPECT_EQ(summary["parameters_hash_at_start"].as<std::string>(), config_hash(config()));
   EXPECT_EQ(summary["parameters_at_start"]["imu"]["k_gb"].as<double>(), 1.0);
+}
+
+TEST(LioSession, a_run_that_has_come_back_aside_is_told_with_its_moment_and_in_the_summary) {
+  constexpr int kFrom = 40, kUntil = 120, kEnd = 150;  // no scans meanwhile, and 3 mg more on the accelerometer
+  LioConfig aside = config();
+  aside.init.hold_standstill = false;
+  aside.map.insert_distance = 1e-6;  // so that the map has parts older than what comes
+  TemporaryDirectory directory;
+  LioSession session(aside, directory.file("out"), {});
+  for (int i = 0; i < kEnd; ++i) {
+    const TimeNs stamp = kStart + i * kScanStep;
+    for (TimeNs t = stamp; t < stamp + kScanStep; t += kImuStep) {
+      sensor_msgs::Imu message = at_rest(t);
+      if (i >= kFrom && i < kUntil) message.linear_acceleration.x += 0.03;
+      session.add(message);
+    }
+    if (i < kFrom || i >= kUntil) session.add(room(stamp));
+    if (i < kUntil) {
+      EXPECT_EQ(session.relocated(), "");
+    }
+  }
+  session.end_of_data();
+  session.finish("complete");
+  const std::string told = session.relocated();
+  EXPECT_EQ(told.find("at 16000000"), 0U) << told;
+  EXPECT_NE(told.find("come back"), std::string::npos) << told;
+  EXPECT_NE(told.find("(update/relocalize)"), std::string::npos) << told;
+  std::vector<std::string> notes;
+  for (const YAML::Node& note : YAML::LoadFile(directory.file("out/summary.yaml"))["notes"])
+    notes.push_back(note.as<std::string>());
+  EXPECT_EQ(std::count(notes.begin(), notes.end(), told + " (1 times in all)"), 1);
 }
 
 TEST(LioSession, a_disk_that_is_full_is_known_at_once_and_the_odometry_goes_on) {
