@@ -6,11 +6,10 @@
 
 #include "allan_lio/lio/point_to_plane.h"
 #include "allan_lio/math/so3.h"
+#include "pose_error.h"
 
 namespace allan_lio {
 namespace {
-
-constexpr double kLever = 10.0;  ///< [m], at which rotations are compared with translations
 
 using StateRows = Eigen::Matrix<double, 6, kLioDof>;
 
@@ -40,9 +39,7 @@ PoseMatrix to_world(const LioState& state) {
 }  // namespace
 
 double surprise(const PoseVector& error, const PoseMatrix& covariance) {
-  PoseVector scale = PoseVector::Ones();
-  scale.head<3>().setConstant(kLever);
-  const PoseVector scaled = error.cwiseProduct(scale), direction = scaled.normalized().cwiseProduct(scale);
+  const PoseVector scaled = in_metres(error), direction = in_metres(scaled.normalized());
   return std::max(0.0, 1.0 - direction.dot(covariance * direction) / scaled.squaredNorm());
 }
 
@@ -78,9 +75,7 @@ std::vector<PoseMatrix> AbsoluteCovariance::relative_to_parts(const LioState& st
 }
 
 void AbsoluteCovariance::add_surprise(const PoseVector& step, const LioState& state, std::uint32_t last_epoch) {
-  LioVector error = LioVector::Zero();
-  error.segment<3>(kTheta) = step.head<3>();
-  error.segment<3>(kPosition) = step.tail<3>();
+  const LioVector error = state_error(step);
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDof, 1> of_map(dof());
   of_map.setZero();
   for (std::size_t i = 0; i < parts_.size(); ++i)
@@ -156,7 +151,7 @@ double AbsoluteCovariance::difference(std::size_t first) const {
   const PoseMatrix mixed = move * own_.block<6, 6>(a, b);
   const PoseMatrix apart =
       own_.block<6, 6>(b, b) + move * own_.block<6, 6>(a, a) * move.transpose() - mixed - mixed.transpose();
-  return kLever * kLever * apart.diagonal().head<3>().sum() + apart.diagonal().tail<3>().sum();
+  return kPoseLever * kPoseLever * apart.diagonal().head<3>().sum() + apart.diagonal().tail<3>().sum();
 }
 
 /// The mean error of the two, about a point between them.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "allan_lio/lio/decouple.h"
+#include "pose_error.h"
 
 namespace allan_lio {
 namespace {
@@ -74,21 +75,9 @@ const std::vector<Eigen::Vector3f>& moved_points(const std::vector<Eigen::Vector
   return moved;
 }
 
-/// As an error of the state.
-LioVector state_error(const PoseVector& pose) {
-  LioVector out = LioVector::Zero();
-  out.segment<3>(kTheta) = pose.head<3>();
-  out.segment<3>(kPosition) = pose.tail<3>();
-  return out;
-}
-
 /// Of two steps of the pose: nearer to each other than half the second one.
 bool is_near(const PoseVector& step, const PoseVector& proposed) {
-  constexpr double kLever = 10.0;  // [m]
-  const auto metres = [](const PoseVector& pose) {
-    return std::hypot(kLever * pose.head<3>().norm(), pose.tail<3>().norm());
-  };
-  return metres(step - proposed) < 0.5 * metres(proposed);
+  return in_metres(step - proposed).norm() < 0.5 * in_metres(proposed).norm();
 }
 
 bool converged(const LioVector& step, const LioConfig::Update& options) {
