@@ -172,6 +172,53 @@ TEST_F(CameBack, WhatWasMadeAsideIsNotTakenForAnOldPlaceOnceTheRunIsSetRight) {
   EXPECT_LT(position_after(*once_more).norm(), 0.06);
 }
 
+/// Of so many points, a part on the old walls and the others on what was not there before.
+class SeesLittle : public CameBack {
+ protected:
+  std::vector<Eigen::Vector3f> glimpse(unsigned seed) const {
+    std::vector<Eigen::Vector3f> points = to_points(room_points(44, kNoise, seed));
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
+    for (int i = 0; i < 30; ++i) points.push_back({unit(random), unit(random), 0.4F * unit(random)});
+    return points;
+  }
+
+  /// How many looks it takes, at most so many; the i-th from where `pose(i)` says.
+  template <typename Pose>
+  int looks_until_found(int most, const Pose& pose) {
+    for (int i = 0; i < most; ++i) {
+      aside(pose(i));
+      if (look(drifted_, glimpse(static_cast<unsigned>(10 + i)))) return i + 1;
+    }
+    return 0;
+  }
+  const Eigen::Vector3d there_{1.1, 0.9, 0.0};
+};
+
+TEST_F(SeesLittle, WhatLooksAtTheSamePlaceTellIsAddedUp) {
+  const int looks = looks_until_found(10, [&](int) { return there_; });
+  EXPECT_GE(looks, 2);
+  EXPECT_LE(looks, 6);
+}
+
+TEST_F(SeesLittle, LooksThatContradictEachOtherAreNot) {
+  EXPECT_EQ(looks_until_found(20, [&](int i) { return Eigen::Vector3d(i % 2 == 0 ? there_ : -there_); }), 0);
+}
+
+TEST_F(SeesLittle, ALookThatShowsTheRunToBeWhereItTakesItselfToBeBeginsAnew) {
+  EXPECT_EQ(
+      looks_until_found(20, [&](int i) { return Eigen::Vector3d(i % 2 == 0 ? there_ : Eigen::Vector3d::Zero()); }), 0);
+}
+
+TEST_F(SeesLittle, LooksThatLieFarApartInTimeAreNotAdded) {
+  EXPECT_EQ(looks_until_found(20,
+                              [&](int) {
+                                state_.nav.stamp += 4 * kSecond;
+                                return there_;
+                              }),
+            0);
+}
+
 TEST_F(CameBack, NotEveryScanIsTried) {
   aside({8.0, 0.0, 0.0});
   EXPECT_FALSE(look(drifted_));
@@ -222,7 +269,10 @@ TEST_F(CameBack, PlacesThatFitAlikeAreNotChosenBetween) {
   map_->insert(shelves(150000, 1, 0.0, 8.0), Eigen::Vector3d::Zero(), kOld);
   const std::vector<Eigen::Vector3f> scan = to_points(shelves(1500, 2, 2.0, 5.5));  // its ends would tell
   aside({0.5, 0.0, 0.0});
-  EXPECT_FALSE(look(covariance_of({0.3, 0.003, 0.003}, 1e-4), scan));
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(look(covariance_of({0.3, 0.003, 0.003}, 1e-4), scan)) << i;
+  search_ = PlaceSearch();
+  aside({0.42, 0.0, 0.0});  // the prior alone, counted at each look, would choose
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(look(covariance_of({0.1, 0.003, 0.003}, 1e-4), scan)) << i;
   aside({0.2, 0.0, 0.0});
   const auto place = look(covariance_of({0.05, 0.003, 0.003}, 1e-4), scan);
   EXPECT_TRUE(!place || position_after(*place).norm() < 0.06) << "remembered: 3 m; if it is one, then the nearest";

@@ -28,9 +28,17 @@ struct Place {
 /// matching: Olson, "Real-time correlative scan matching", ICRA 2009, eq. 1 to 3, with planes for its lookup table).
 /// A place is believed if so many more points fit there than here, and than elsewhere, that it outweighs the prior,
 /// Student's distribution with three degrees of freedom: what brings a run back aside are errors that its covariance
-/// does not know. Its steps are made for planes of half a metre (map/voxel_size) and range noise of some centimetres.
+/// does not know. A pillar tells too little for that at one look; what successive looks at the same place tell is added
+/// up, the prior once. Its steps are made for planes of half a metre (map/voxel_size) and range noise of some
+/// centimetres.
 class PlaceSearch {
  public:
+  /// How much likelier a place is than the one at hand and than any other [nat].
+  struct Odds {
+    double over_here, over_others;
+    Odds operator+(const Odds& more) const { return {over_here + more.over_here, over_others + more.over_others}; }
+  };
+
   /// `points_imu`: the scan in the IMU's frame at the predicted `state` [m]; `absolute` has the covariance of that
   /// state against the parts of the map. Nothing if the scan fits here, if it fits nowhere or at several places, if
   /// nothing has drifted, or if the run is lost by more than two metres (1 sigma). Looks at one scan in half a second
@@ -39,7 +47,10 @@ class PlaceSearch {
                             const AbsoluteCovariance& absolute, bool estimate_extrinsics);
 
   /// The map is begun anew.
-  void forget() { drift_.reset(); }
+  void forget() {
+    drift_.reset();
+    sighting_.reset();
+  }
 
  private:
   struct Drift {
@@ -53,6 +64,14 @@ class PlaceSearch {
   bool follow_drift(const LioState& state, const AbsoluteCovariance& absolute, bool estimate_extrinsics);
 
   std::optional<Drift> drift_;
+  /// A place that one look, or several one after the other, speak for.
+  struct Sighting {
+    Eigen::Vector4d at;  ///< from the predicted pose: x, y, z and the turn as a way [m]
+    TimeNs stamp;        ///< of the last look
+    Odds told;           ///< by all of them, without the prior
+  };
+
+  std::optional<Sighting> sighting_;
   std::optional<TimeNs> looked_at_;
 };
 

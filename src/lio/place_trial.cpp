@@ -1,0 +1,147 @@
+// Copyright 2026 the allan_lio authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "place_trial.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "allan_lio/lio/drift.h"
+#include "allan_lio/math/so3.h"
+
+namespace allan_lio {
+namespace {
+
+constexpr std::size_t kMostPoints = 150;
+constexpr double kReach = 10.0;        ///< [sigma]
+constexpr double kLeastSigma = 1e-3;   ///< [m], so that nothing is certain
+constexpr double kFinestStep = 0.03;   ///< [m]
+constexpr double kNatsPerPoint = 0.3;  ///< points on one surface err together, so one tells little
+constexpr std::size_t kFewer = 3;      ///< part of the points for coarse steps
+constexpr int kMostPlaces = 5000;      ///< that are looked at; some 30 ms
+
+/// Logarithm of the probability of an error of so many sigma, squared: Student's distribution.
+double log_prior(double squared_sigmas) { return -2.0 * std::log1p(squared_sigmas / 3.0); }
+
+/// Not in any rhythm that the beams' order has.
+std::vector<Eigen::Vector3d> spread_over(const std::vector<Eigen::Vector3d>& points, std::size_t count) {
+  constexpr double kGoldenRatio = 0.6180339887498949;
+  std::vector<Eigen::Vector3d> out;
+  out.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double turns = kGoldenRatio * static_cast<double>(i);
+    out.push_back(points[static_cast<std::size_t>((turns - std::floor(turns)) * static_cast<double>(points.size()))]);
+  }
+  return out;
+}
+
+}  // namespace
+
+PlaceTrial::PlaceTrial(const std::vector<Eigen::Vector3f>& points, const LioState& state, const VoxelMap& map,
+                       std::uint32_t last_epoch, const Eigen::Vector4d& sigmas)
+    : pose_(state.nav.T_world_imu), map_(map), last_epoch_(last_epoch), sigmas_(sigmas) {
+  choose_points(points);
+}
+
+void PlaceTrial::choose_points(const std::vector<Eigen::Vector3f>& points) {
+  const OldPlanes near{kCoarse, last_epoch_};
+  const Eigen::Matrix3d rotation = pose_.rotation.toRotationMatrix();
+  Eigen::Vector3d reach = (kReach * sigmas_.head<3>()).cwiseMin(kFarthest);
+  if (reach.z() < kCoarse) reach.z() = 0.0;  // else a floor would tell that the run is back
+  double squared = 0.0;
+  Plane scratch;
+  points_.reserve(points.size());
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Vector3d q = p.cast<double>(), arm = rotation * q;
+    const Plane* plane = map_.find_old(arm + pose_.translation, pose_.translation, near);
+    if (!plane) plane = map_.find(arm + pose_.translation, scratch);
+    if (plane) {
+      const double turn = Eigen::Vector3d::UnitZ().cross(arm).dot(plane->normal);
+      if (plane->normal.cwiseAbs().dot(reach) + kReach * sigmas_[3] * std::abs(turn) < kFine) continue;
+    }
+    points_.push_back(q);
+    squared += arm.head<2>().squaredNorm();
+  }
+  if (points_.empty()) return;
+  lever_ = std::max(1.0, std::sqrt(squared / static_cast<double>(points_.size())));
+  sigmas_[3] *= lever_;
+  sigmas_ = sigmas_.cwiseMax(kLeastSigma);
+  if (points_.size() > kMostPoints) points_ = spread_over(points_, kMostPoints);
+  few_ = spread_over(points_, points_.size() / kFewer);
+}
+
+PoseVector PlaceTrial::step(const PlaceOffset& at) const {
+  PoseVector out;
+  out << pose_.rotation.conjugate() * Eigen::Vector3d(0.0, 0.0, at[3] / lever_), at.head<3>();
+  return out;
+}
+
+std::optional<PlaceCandidate> PlaceTrial::best_on_grid(const PlaceOffset& from, double apart) const {
+  const std::array<int, 4> last = steps_within_reach();
+  std::optional<PlaceCandidate> best;
+  for (int x = -last[0]; x <= last[0]; ++x)
+    for (int y = -last[1]; y <= last[1]; ++y)
+      for (int z = -last[2]; z <= last[2]; ++z)
+        for (int turn = -last[3]; turn <= last[3]; ++turn) {
+          const PlaceOffset at = kCoarse * PlaceOffset(x, y, z, turn);
+          if ((at - from).norm() < apart) continue;
+          const PlaceCandidate candidate = judge(at, kCoarse, few_);
+          if (!best || candidate.score() > best->score()) best = candidate;
+        }
+  return best;
+}
+
+PlaceCandidate PlaceTrial::refine(const PlaceOffset& from) const {
+  PlaceCandidate best = judge(from);
+  for (const int x : {-1, 0, 1})
+    for (const int y : {-1, 0, 1})
+      for (const int turn : {-1, 0, 1}) {
+        const PlaceCandidate candidate = judge(from + 0.5 * kCoarse * PlaceOffset(x, y, 0.0, turn));
+        if (candidate.score() > best.score()) best = candidate;
+      }
+  for (double step = 0.25 * kCoarse; step >= kFinestStep; step *= 0.5)
+    for (bool better = true; better;) {
+      better = false;
+      for (int k = 0; k < 4; ++k)
+        for (const double sign : {-1.0, 1.0}) {
+          const PlaceCandidate candidate = judge(best.at + sign * step * PlaceOffset::Unit(k));
+          if (!(candidate.score() > best.score())) continue;
+          best = candidate;
+          better = true;
+        }
+    }
+  return best;
+}
+
+PlaceCandidate PlaceTrial::judge(const PlaceOffset& at, double tolerance,
+                                 const std::vector<Eigen::Vector3d>& points) const {
+  const Eigen::Matrix3d rotation = (pose_.rotation * exp_so3(step(at).head<3>())).toRotationMatrix();
+  const Eigen::Vector3d translation = pose_.translation + at.head<3>();
+  const OldPlanes near{tolerance, last_epoch_};
+  PlaceCandidate out;
+  out.at = at;
+  for (const Eigen::Vector3d& q : points) {
+    const Eigen::Vector3d point = rotation * q + translation;
+    const Plane* plane = map_.find_old(point, translation, near);
+    if (!plane) continue;
+    const double off = plane->distance(point) / tolerance;
+    out.fit += 1.0 - off * off;
+  }
+  out.fit *= static_cast<double>(points_.size()) / static_cast<double>(points.size());
+  out.told = kNatsPerPoint * out.fit;
+  out.prior = log_prior(at.cwiseQuotient(sigmas_).squaredNorm());
+  return out;
+}
+
+std::array<int, 4> PlaceTrial::steps_within_reach() const {
+  std::array<int, 4> last{};
+  for (int k = 0; k < 4; ++k) last[k] = static_cast<int>(std::min(kReach * sigmas_[k], kFarthest) / kCoarse);
+  const auto places = [&last] {
+    int product = 1;
+    for (const int n : last) product *= 2 * n + 1;
+    return product;
+  };
+  while (places() > kMostPlaces) --*std::max_element(last.begin(), last.end());
+  return last;
+}
+
+}  // namespace allan_lio
