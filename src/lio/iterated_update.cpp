@@ -27,13 +27,13 @@ ScanUncertainty scan_uncertainty(const Belief& belief, const ScanError& scan, co
               conditions.deskewed / 6.0 * conditions.gyro_psd.maxCoeff()};
 }
 
-Localizability judge(const NormalEquations& equations, const PointToPlane& residuals,
+Localizability judge(const NormalEquations& equations, PointToPlane& residuals,
                      const std::vector<Eigen::Vector3f>& points, const LioState& state, double floor) {
   const PoseMatrix information = equations.information.topLeftCorner<6, 6>();
   Localizability found;
   found.scale = std::sqrt(equations.squared_range / equations.inliers);
   found.directions = support_directions(information, equations.feigned, found.scale);
-  const PoseVector squares = residuals.squares_along(points, state, unscaled_directions(found));
+  const PoseVector squares = residuals.squares_along(points, state, found);
   found = judge_localizability(information, equations.feigned, found.directions, squares, found.scale, floor);
   decouple(
       information, equations.feigned,

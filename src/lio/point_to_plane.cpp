@@ -161,15 +161,23 @@ NormalEquations PointToPlane::linearize(const std::vector<Eigen::Vector3f>& poin
 }
 
 PoseVector PointToPlane::squares_along(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
-                                       const PoseMatrix& directions) const {
+                                       const Localizability& found) {
+  const PoseMatrix directions = unscaled_directions(found);
   const Eigen::Matrix3d back = state.nav.T_world_imu.rotation.toRotationMatrix().transpose();
   PoseVector out = PoseVector::Zero();
+  columns_.begin(points_imu.size());
   for (std::size_t i = 0; i < points_imu.size(); ++i) {
     if (weights_[i] == 0.0) continue;
     // The m points on a plane add about the same, so the square of their sum is m times the sum of their squares.
     const PoseVector along = directions.transpose() * pose_row(points_imu[i].cast<double>(), back, planes_[i]->normal);
-    out += sharing(i) * weights_[i] * weights_[i] * along.cwiseAbs2().cwiseAbs2();
+    const PoseVector information = weights_[i] * along.cwiseAbs2();
+    out += sharing(i) * information.cwiseAbs2();
+    columns_.add(planes_[i]->center, information);
   }
+  const PoseVector of_columns = columns_.squares();
+  const PoseVector turns = found.directions.topRows<3>().transpose() * back.col(2);
+  for (int k = 0; k < 6; ++k)
+    if (turns[k] * turns[k] > 0.5) out[k] = of_columns[k];
   return out;
 }
 

@@ -127,6 +127,64 @@ TEST(PointToPlane, TheCouplingNoiseIsTheSpreadThatLeaningNormalsGiveTheInformati
   EXPECT_LT((told - spread).norm(), 0.05 * spread.norm());
 }
 
+/// Small planes that face y, each in a voxel of its own.
+class PatchMap : public VoxelMap {
+ public:
+  explicit PatchMap(const std::vector<Eigen::Vector3d>& centers) {
+    for (const Eigen::Vector3d& center : centers) {
+      Plane plane;
+      plane.center = center;
+      plane.normal = Eigen::Vector3d::UnitY();
+      plane.thickness = 4e-4;
+      plane.group = static_cast<std::uint32_t>(planes_.size());
+      planes_.push_back(plane);
+    }
+  }
+  void insert(const std::vector<Eigen::Vector3d>&, const Eigen::Vector3d&, std::uint32_t) override {}
+  const Plane* find(const Eigen::Vector3d& point, Plane&) const override {
+    for (const Plane& plane : planes_)
+      if ((plane.center - point).norm() < 0.1) return &plane;
+    return nullptr;
+  }
+  void clear() override {}
+  std::size_t voxels() const override { return planes_.size(); }
+  std::size_t bytes() const override { return planes_.size() * sizeof(Plane); }
+  std::vector<Eigen::Vector3d> points() const override { return {}; }
+
+ private:
+  std::vector<Plane> planes_;
+};
+
+TEST(PointToPlane, ThePatchesOfAPillarAreOneThingThatTellsOfTheHeadingAndManyThatTellOfThePosition) {
+  constexpr int kPatches = 6;
+  std::vector<Eigen::Vector3d> pillar, posts;
+  for (int i = 0; i < kPatches; ++i) {
+    pillar.emplace_back(10.2, 0.3, 0.5 * i);
+    posts.emplace_back(10.2, 0.3 + 2.0 * i, 0.5);
+  }
+  const ResidualOptions options{4e-4, 1e9, 1e9, false};
+  TaskPool pool(1);
+  PointToPlane residuals(pool);
+  const auto things = [&](const std::vector<Eigen::Vector3d>& centers, const LioState& state, int direction) {
+    std::vector<Eigen::Vector3f> points;
+    for (const Eigen::Vector3d& center : centers)
+      points.push_back((state.nav.T_world_imu.inverse() * center).cast<float>());
+    const PatchMap map(centers);
+    const NormalEquations sum = residuals.linearize(points, state, ScanUncertainty{}, map, options);
+    const double information = sum.information(direction, direction);
+    const Localizability all;  // each axis a direction
+    return information * information / residuals.squares_along(points, state, all)[direction];
+  };
+  LioState level, on_its_back;  // about whose z, and whose x, the vertical is
+  on_its_back.nav.T_world_imu.rotation = exp_so3({0.0, 0.5 * 3.14159265358979323846, 0.0});
+  for (const auto& [state, heading] : {std::make_pair(level, kTheta + 2), std::make_pair(on_its_back, kTheta + 0)}) {
+    EXPECT_NEAR(things(pillar, state, heading), 1.0, 1e-6);
+    EXPECT_NEAR(things(posts, state, heading), kPatches, 1e-3);
+    EXPECT_NEAR(things(pillar, state, kPosition + 1), kPatches, 1e-6);
+  }
+  EXPECT_GT(things(pillar, level, kTheta + 0), 2.5) << "a lean against the pillar is told by its height";
+}
+
 TEST(PointToPlane, AResidualBeyondTheGateDoesNotCount) {
   const OnePlaneMap map(some_plane());
   TaskPool pool(1);

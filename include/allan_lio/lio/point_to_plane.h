@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "allan_lio/lio/column_sums.h"
 #include "allan_lio/lio/lio_result.h"
 #include "allan_lio/lio/residual_noise.h"
 #include "allan_lio/lio/task_pool.h"
@@ -62,10 +63,12 @@ class PointToPlane {
   /// last epoch belong to the last part.
   const std::vector<PoseMatrix>& information_of_parts() const { return parts_; }
 
-  /// Sum over the planes of the squares of what each adds to the information along each column of `directions`, in the
-  /// last linearisation, of these points at this state.
+  /// What holds a direction up is so many things as its information squared over the sum of the squares of what each
+  /// adds to it: that sum for each direction of `found`, in the last linearisation, of these points at this state. Each
+  /// plane is such a thing. For a direction that mostly turns about the vertical all planes in one column (ColumnSums)
+  /// are one together: those of a pillar or a door post, one above the other, err alike (decisions 22).
   PoseVector squares_along(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
-                           const PoseMatrix& directions) const;
+                           const Localizability& found);
 
   /// Covariance, by the noise of the planes' normals, of the information's product with `direction`, in the last
   /// linearisation, of these points at this state.
@@ -85,7 +88,8 @@ class PointToPlane {
   std::vector<const Plane*> planes_;  ///< a point's plane or null
   std::vector<Plane> scratch_;
   std::vector<std::uint32_t> shared_;  ///< by group: points on that plane
-  std::vector<double> weights_;        ///< of the points in the last linearisation; 0: not an inlier
+  ColumnSums columns_;
+  std::vector<double> weights_;  ///< of the points in the last linearisation; 0: not an inlier
   std::vector<NormalEquations> blocks_;
   std::vector<PoseMatrix> block_parts_;  ///< part by part for every block
   std::vector<PoseMatrix> parts_;
