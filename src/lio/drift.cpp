@@ -8,8 +8,7 @@
 namespace allan_lio {
 namespace {
 
-constexpr double kDriftedOff = 0.1;  ///< 1 sigma [m]
-constexpr double kReach = 3.0;       ///< [sigma]
+constexpr double kReach = 3.0;  ///< [sigma]
 
 /// Largest 1 sigma of the position along an axis of the world [m].
 double position_sigma(const PoseMatrix& covariance) {
@@ -18,12 +17,13 @@ double position_sigma(const PoseMatrix& covariance) {
 
 }  // namespace
 
-OldPlanes old_planes(const std::vector<PoseMatrix>& against_parts, const std::vector<std::uint32_t>& last_epochs) {
+OldPlanes old_planes(const std::vector<PoseMatrix>& against_parts, const std::vector<std::uint32_t>& last_epochs,
+                     double drifted_off) {
   OldPlanes out;
   double largest = 0.0;
   for (std::size_t i = 0; i < std::min(against_parts.size(), last_epochs.size()); ++i) {
     const double sigma = position_sigma(against_parts[i]);
-    if (sigma < kDriftedOff) continue;
+    if (sigma < drifted_off) continue;
     out.last_epoch = last_epochs[i];
     largest = std::max(largest, sigma);
   }

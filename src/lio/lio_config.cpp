@@ -263,9 +263,8 @@ void declare_update(ParameterVisitor& v, LioConfig::Update& update) {
             kLive},
            update.support_floor, 4.0, Range::not_negative());
   v.flag({"update/relocalize", "",
-          "A run that has drifted by a decimetre looks for its old map beside, by up to ten sigma and 2 m, and sets "
-          "itself "
-          "right there (structure: planes). Turn it off if the pose must not jump."},
+          "A run that has drifted by 5 cm (1 sigma) looks for its old map beside, by up to ten sigma and 2 m, and sets "
+          "itself right there (structure: planes). Turn it off if the pose must not jump."},
          update.relocalize, true);
 }
 

@@ -12,7 +12,8 @@ namespace {
 
 using Odds = PlaceSearch::Odds;
 
-constexpr double kEvery = 0.45;  ///< [s]
+constexpr double kEvery = 0.45;       ///< [s]
+constexpr double kMayBeAside = 0.05;  ///< 1 sigma of the position [m], from which on a run is looked for
 constexpr std::size_t kLeastPoints = 40;
 constexpr double kApart = 0.5;         ///< [m]; what is nearer is the same place
 constexpr double kLeastShare = 0.3;    ///< of the points that have to fit at a place
@@ -57,7 +58,7 @@ std::pair<Odds, Odds> odds_of(const PlaceCandidate& best, const PlaceCandidate& 
 
 bool PlaceSearch::follow_drift(const LioState& state, const AbsoluteCovariance& absolute, bool estimate_extrinsics) {
   const std::vector<PoseMatrix> against_parts = absolute.relative_to_parts(state, estimate_extrinsics);
-  const OldPlanes old = old_planes(against_parts, absolute.last_epochs());
+  const OldPlanes old = old_planes(against_parts, absolute.last_epochs(), kMayBeAside);
   if (old.reach == 0.0) return true;
   const Eigen::Vector4d sigmas = sigmas_of(*farthest_part(against_parts), state);
   if (!sigmas.allFinite() || sigmas.head<3>().maxCoeff() > PlaceTrial::kFarthest) return false;

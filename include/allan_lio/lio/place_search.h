@@ -22,7 +22,7 @@ struct Place {
 /// Looks whether a run that has drifted off old parts of its map is back at one of them, but aside.
 ///
 /// Such a run makes its walls again where it sees them, matches those, and stays where it is; what it happens to match
-/// of the old ones makes it sure of it. So once its position against some part was known to no better than a decimetre,
+/// of the old ones makes it sure of it. So once its position against some part was known to no better than 5 cm,
 /// what the covariance says is not relied on any more: each look tries a scan of which too few points lie on old planes
 /// at positions and headings around, up to ten of the largest sigma that there was, and two metres (correlative scan
 /// matching: Olson, "Real-time correlative scan matching", ICRA 2009, eq. 1 to 3, with planes for its lookup table).
