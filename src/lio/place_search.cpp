@@ -2,26 +2,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "allan_lio/lio/place_search.h"
 
-#include <utility>
-
 #include "allan_lio/lio/drift.h"
 #include "place_trial.h"
 
 namespace allan_lio {
-namespace {
 
 using Odds = PlaceSearch::Odds;
 
-constexpr double kEvery = 0.45;       ///< [s]
-constexpr double kMayBeAside = 0.05;  ///< 1 sigma of the position [m], from which on a run is looked for
+/// A place and how much likelier it is than others, by what the points tell and by the prior.
+struct WeighedPlace {
+  PlaceCandidate place;
+  Odds told, prior;
+};
+
+namespace {
+
+constexpr double kEvery = 0.45;  ///< [s]
 constexpr std::size_t kLeastPoints = 40;
 constexpr double kApart = 0.5;         ///< [m]; what is nearer is the same place
 constexpr double kLeastShare = 0.3;    ///< of the points that have to fit at a place
 constexpr double kIsBack = 0.6;        ///< of the points: the run is where it takes itself to be
 constexpr Odds kOneLook = {8.0, 4.0};  ///< from which a place is believed
 constexpr Odds kLooks = {20.0, 10.0};  ///< that several looks together need: they see much the same
-constexpr double kOfUse = 3.0;         ///< [nat] that one of them has to tell
-constexpr double kTogether = 3.0;      ///< [s] within which the next one has to come
+constexpr double kOfUse = 3.0;         ///< [nat] from which a look speaks for a place
+constexpr double kTogether = 3.0;      ///< [s] within which the next one has to do so
+constexpr double kMoved = 0.25;        ///< [m]; from nearer the same is seen again
 
 bool outweighs(const Odds& odds, const Odds& needed) {
   return odds.over_here >= needed.over_here && odds.over_others >= needed.over_others;
@@ -40,18 +45,17 @@ PlaceCandidate best_of(const PlaceTrial& trial) {
   return coarse.fit < kLeastShare * static_cast<double>(trial.points()) ? coarse : trial.refine(coarse.at);
 }
 
-/// By what the points tell, and by the prior.
-std::pair<Odds, Odds> odds_of(const PlaceCandidate& best, const PlaceCandidate& here, const PlaceTrial& trial) {
-  const double over_here = best.told - here.told;
-  Odds told{over_here, over_here}, prior{best.prior - here.prior, 0.0};
-  const std::optional<PlaceCandidate> apart = trial.best_on_grid(best.at, kApart);
-  if (!apart) return {told, prior};
+WeighedPlace weigh(const PlaceCandidate& place, const PlaceCandidate& here, const PlaceTrial& trial) {
+  const double over_here = place.told - here.told;
+  WeighedPlace out{place, {over_here, over_here}, {place.prior - here.prior, 0.0}};
+  const std::optional<PlaceCandidate> apart = trial.best_on_grid(place.at, kApart);
+  if (!apart) return out;
   const PlaceCandidate other = trial.refine(apart->at);
-  if ((other.at - best.at).norm() > PlaceTrial::kCoarse) {
-    told.over_others = best.told - other.told;
-    prior.over_others = best.prior - other.prior;
+  if ((other.at - place.at).norm() > PlaceTrial::kCoarse) {
+    out.told.over_others = place.told - other.told;
+    out.prior.over_others = place.prior - other.prior;
   }
-  return {told, prior};
+  return out;
 }
 
 }  // namespace
@@ -84,21 +88,48 @@ std::optional<Place> PlaceSearch::look(const std::vector<Eigen::Vector3f>& point
     return std::nullopt;
   }
   const PlaceCandidate best = best_of(trial);
-  if (best.fit < kLeastShare * points) return std::nullopt;
-  if (best.at.norm() < PlaceTrial::kFine) {
+  const bool fits = best.fit >= kLeastShare * points;
+  if (fits && best.at.norm() < PlaceTrial::kFine) {
     sighting_.reset();
     return std::nullopt;
   }
-  if (best.told - here.told < kOfUse) return std::nullopt;
-  auto [told, prior] = odds_of(best, here, trial);
-  const Odds alone = told + prior;
-  if (sighting_ && (best.at - sighting_->at).norm() < PlaceTrial::kCoarse &&
-      seconds_between(sighting_->stamp, state.nav.stamp) < kTogether)
-    told = told + sighting_->told;
-  sighting_ = Sighting{best.at, state.nav.stamp, told};
-  if (!outweighs(alone, kOneLook) && !outweighs(told + prior, kLooks)) return std::nullopt;
+  std::optional<WeighedPlace> speaks;
+  if (fits && best.told - here.told >= kOfUse) speaks = weigh(best, here, trial);
+  std::optional<PlaceCandidate> found = add_up(speaks, here, trial, state);
+  if (speaks && outweighs(speaks->told + speaks->prior, kOneLook)) found = speaks->place;
+  if (!found) return std::nullopt;
+  sighting_.reset();
   drift_->found_place = true;
-  return Place{trial.step(best.at), drift_->last_epoch};
+  return Place{trial.step(found->at), drift_->last_epoch};
+}
+
+std::optional<PlaceCandidate> PlaceSearch::add_up(const std::optional<WeighedPlace>& speaks, const PlaceCandidate& here,
+                                                  const PlaceTrial& trial, const LioState& state) {
+  const Eigen::Vector3d& position = state.nav.T_world_imu.translation;
+  if (sighting_ && seconds_between(sighting_->stamp, state.nav.stamp) > kTogether) sighting_.reset();
+  if (sighting_) {
+    Sighting& sighting = *sighting_;
+    if ((position - sighting.from).norm() < kMoved) return std::nullopt;
+    PlaceOffset at;
+    at << sighting.shift, sighting.turn * trial.lever();
+    const bool again = speaks && (speaks->place.at - at).norm() < PlaceTrial::kCoarse;
+    const WeighedPlace weighed = again ? *speaks : weigh(trial.refine(at), here, trial);
+    sighting.told = sighting.told + weighed.told;
+    sighting.from = position;
+    if (sighting.told.over_here > 0.0 && sighting.told.over_others > 0.0) {
+      if (!again) return std::nullopt;
+      ++sighting.looks;
+      sighting.shift += (speaks->place.at.head<3>() - sighting.shift) / sighting.looks;
+      sighting.turn += (speaks->place.at[3] / trial.lever() - sighting.turn) / sighting.looks;
+      sighting.stamp = state.nav.stamp;
+      return outweighs(sighting.told + weighed.prior, kLooks) ? std::make_optional(speaks->place) : std::nullopt;
+    }
+    sighting_.reset();
+  }
+  if (speaks && speaks->told.over_others > 0.0)
+    sighting_ = Sighting{
+        speaks->place.at.head<3>(), speaks->place.at[3] / trial.lever(), 1, speaks->told, position, state.nav.stamp};
+  return std::nullopt;
 }
 
 }  // namespace allan_lio

@@ -38,14 +38,18 @@ std::vector<Eigen::Vector3d> spread_over(const std::vector<Eigen::Vector3d>& poi
 
 PlaceTrial::PlaceTrial(const std::vector<Eigen::Vector3f>& points, const LioState& state, const VoxelMap& map,
                        std::uint32_t last_epoch, const Eigen::Vector4d& sigmas)
-    : pose_(state.nav.T_world_imu), map_(map), last_epoch_(last_epoch), sigmas_(sigmas) {
+    : pose_(state.nav.T_world_imu),
+      map_(map),
+      last_epoch_(last_epoch),
+      position_sigmas_(sigmas.head<3>()),
+      heading_sigma_(sigmas[3]) {
   choose_points(points);
 }
 
 void PlaceTrial::choose_points(const std::vector<Eigen::Vector3f>& points) {
   const OldPlanes near{kCoarse, last_epoch_};
   const Eigen::Matrix3d rotation = pose_.rotation.toRotationMatrix();
-  Eigen::Vector3d reach = (kReach * sigmas_.head<3>()).cwiseMin(kFarthest);
+  Eigen::Vector3d reach = (kReach * position_sigmas_).cwiseMin(kFarthest);
   if (reach.z() < kCoarse) reach.z() = 0.0;  // else a floor would tell that the run is back
   double squared = 0.0;
   Plane scratch;
@@ -56,14 +60,14 @@ void PlaceTrial::choose_points(const std::vector<Eigen::Vector3f>& points) {
     if (!plane) plane = map_.find(arm + pose_.translation, scratch);
     if (plane) {
       const double turn = Eigen::Vector3d::UnitZ().cross(arm).dot(plane->normal);
-      if (plane->normal.cwiseAbs().dot(reach) + kReach * sigmas_[3] * std::abs(turn) < kFine) continue;
+      if (plane->normal.cwiseAbs().dot(reach) + kReach * heading_sigma_ * std::abs(turn) < kFine) continue;
     }
     points_.push_back(q);
     squared += arm.head<2>().squaredNorm();
   }
   if (points_.empty()) return;
   lever_ = std::max(1.0, std::sqrt(squared / static_cast<double>(points_.size())));
-  sigmas_[3] *= lever_;
+  sigmas_ << position_sigmas_, heading_sigma_ * lever_;
   sigmas_ = sigmas_.cwiseMax(kLeastSigma);
   if (points_.size() > kMostPoints) points_ = spread_over(points_, kMostPoints);
   few_ = spread_over(points_, points_.size() / kFewer);

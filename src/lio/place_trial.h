@@ -45,6 +45,9 @@ class PlaceTrial {
   /// The offset as a step of the pose: rotation in the IMU's frame [rad], translation in the world [m].
   PoseVector step(const PlaceOffset& at) const;
 
+  /// Of a turn by one radian the way of a point at the lever [m], which is the scan's own.
+  double lever() const { return lever_; }
+
   PlaceCandidate judge(const PlaceOffset& at) const { return judge(at, kFine, points_); }
 
   /// Of the coarse steps within reach, or within what of it can be looked through, by a part of the points: the best
@@ -63,7 +66,9 @@ class PlaceTrial {
   RigidTransform pose_;
   const VoxelMap& map_;
   std::uint32_t last_epoch_;
-  PlaceOffset sigmas_;
+  Eigen::Vector3d position_sigmas_;  ///< [m]
+  double heading_sigma_;             ///< [rad]
+  PlaceOffset sigmas_ = PlaceOffset::Zero();
   double lever_ = 1.0;  ///< root mean square of the points' horizontal distances [m]
   std::vector<Eigen::Vector3d> points_, few_;
 };

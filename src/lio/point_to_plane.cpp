@@ -136,7 +136,7 @@ void PointToPlane::count_groups() {
 NormalEquations PointToPlane::linearize(const std::vector<Eigen::Vector3f>& points_imu, const LioState& state,
                                         const ScanUncertainty& uncertainty, const VoxelMap& map,
                                         const ResidualOptions& options, const std::vector<std::uint32_t>& last_epochs) {
-  match(points_imu, state, map, old_planes(uncertainty.parts, last_epochs));
+  match(points_imu, state, map, old_planes(uncertainty.parts, last_epochs, kDriftedOff));
   count_groups();
   const Context context(state, uncertainty, options);
   const std::size_t blocks = TaskPool::blocks(points_imu.size()), parts = std::max<std::size_t>(1, last_epochs.size());

@@ -35,11 +35,12 @@ PoseMatrix position_covariance(double sigma) {
 
 TEST(OldPlanes, AreThoseOfThePartsThatTheRunHasDriftedOff) {
   const std::vector<PoseMatrix> parts{position_covariance(0.3), position_covariance(0.2), position_covariance(0.01)};
-  const OldPlanes found = old_planes(parts, {5, 9, 14});
+  const OldPlanes found = old_planes(parts, {5, 9, 14}, kDriftedOff);
   EXPECT_EQ(found.last_epoch, 9U);
   EXPECT_NEAR(found.reach, 0.9, 1e-9) << "three sigma of the farthest";
-  EXPECT_EQ(old_planes({position_covariance(0.05)}, {5}).reach, 0.0) << "half a decimetre finds back by itself";
-  EXPECT_EQ(old_planes({}, {}).reach, 0.0);
+  EXPECT_EQ(old_planes({position_covariance(0.07)}, {5}, kDriftedOff).reach, 0.0);
+  EXPECT_NEAR(old_planes({position_covariance(0.07)}, {5}, kMayBeAside).reach, 0.21, 1e-9);
+  EXPECT_EQ(old_planes({}, {}, kDriftedOff).reach, 0.0);
 }
 
 TEST(OldPlanes, AreFoundBesideAPointWhoseOwnVoxelIsEmpty) {

@@ -62,6 +62,11 @@ class CameBack : public ::testing::Test {
     return log_so3(truth.conjugate() * state_.nav.T_world_imu.rotation * exp_so3(place.step.head<3>())).norm();
   }
 
+  /// Level, and with the world's heading.
+  static std::vector<Eigen::Vector3f> seen_from(const Eigen::Vector3d& position, std::vector<Eigen::Vector3d> world) {
+    for (Eigen::Vector3d& p : world) p -= position;
+    return to_points(world);
+  }
   static std::vector<Eigen::Vector3f> to_points(const std::vector<Eigen::Vector3d>& world) {
     std::vector<Eigen::Vector3f> out;
     for (const Eigen::Vector3d& p : world) out.push_back(p.cast<float>());
@@ -176,21 +181,24 @@ TEST_F(CameBack, WhatWasMadeAsideIsNotTakenForAnOldPlaceOnceTheRunIsSetRight) {
 /// Of so many points, a part on the old walls and the others on what was not there before.
 class SeesLittle : public CameBack {
  protected:
-  std::vector<Eigen::Vector3f> glimpse(unsigned seed) const {
-    std::vector<Eigen::Vector3f> points = to_points(room_points(44, kNoise, seed));
+  /// The i-th look, by a run that errs by that much. It is taken 0.3 m or more from the two before, or from the same
+  /// place.
+  std::optional<Place> glimpse(int i, const Eigen::Vector3d& error, bool moving = true) {
+    const Eigen::Vector3d position(moving ? 0.3 * (i % 3 - 1) : 0.0, 0.0, 0.0);
+    const auto seed = static_cast<unsigned>(10 + i);
+    std::vector<Eigen::Vector3f> points = seen_from(position, room_points(44, kNoise, seed));
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
-    for (int i = 0; i < 30; ++i) points.push_back({unit(random), unit(random), 0.4F * unit(random)});
-    return points;
+    for (int k = 0; k < 30; ++k) points.push_back({unit(random), unit(random), 0.4F * unit(random)});
+    aside(position + error);
+    return look(drifted_, points);
   }
 
-  /// How many looks it takes, at most so many; the i-th from where `pose(i)` says.
-  template <typename Pose>
-  int looks_until_found(int most, const Pose& pose) {
-    for (int i = 0; i < most; ++i) {
-      aside(pose(i));
-      if (look(drifted_, glimpse(static_cast<unsigned>(10 + i)))) return i + 1;
-    }
+  /// How many looks it takes, at most so many; the i-th by a run that errs by `error(i)`.
+  template <typename Error>
+  int looks_until_found(int most, const Error& error) {
+    for (int i = 0; i < most; ++i)
+      if (glimpse(i, error(i))) return i + 1;
     return 0;
   }
   const Eigen::Vector3d there_{1.1, 0.9, 0.0};
@@ -200,15 +208,29 @@ TEST_F(SeesLittle, WhatLooksAtTheSamePlaceTellIsAddedUp) {
   const int looks = looks_until_found(10, [&](int) { return there_; });
   EXPECT_GE(looks, 2);
   EXPECT_LE(looks, 6);
+  EXPECT_FALSE(glimpse(looks, there_)) << "what was told is used up";
 }
 
-TEST_F(SeesLittle, LooksThatContradictEachOtherAreNot) {
+TEST_F(SeesLittle, ARobotThatStandsSeesTheSameAgain) {
+  for (int i = 0; i < 50; ++i) EXPECT_FALSE(glimpse(i, there_, false)) << i;
+}
+
+TEST_F(SeesLittle, LooksThatContradictEachOtherAreNotAdded) {
   EXPECT_EQ(looks_until_found(20, [&](int i) { return Eigen::Vector3d(i % 2 == 0 ? there_ : -there_); }), 0);
+}
+
+TEST_F(SeesLittle, APlaceThatWandersIsNotTheSame) {
+  EXPECT_EQ(looks_until_found(8, [&](int i) { return Eigen::Vector3d(0.5 + 0.15 * i, 0.9, 0.0); }), 0);
 }
 
 TEST_F(SeesLittle, ALookThatShowsTheRunToBeWhereItTakesItselfToBeBeginsAnew) {
   EXPECT_EQ(
       looks_until_found(20, [&](int i) { return Eigen::Vector3d(i % 2 == 0 ? there_ : Eigen::Vector3d::Zero()); }), 0);
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_FALSE(glimpse(i, there_)) << i;
+    aside(Eigen::Vector3d::Zero());
+    EXPECT_FALSE(look(drifted_, scan_)) << "most of its points fit here";
+  }
 }
 
 TEST_F(SeesLittle, LooksThatLieFarApartInTimeAreNotAdded) {
@@ -218,6 +240,15 @@ TEST_F(SeesLittle, LooksThatLieFarApartInTimeAreNotAdded) {
                                 return there_;
                               }),
             0);
+}
+
+TEST_F(SeesLittle, AMapThatHasBegunAnewForgetsTheLooks) {
+  const int looks = looks_until_found(10, [&](int) { return there_; });
+  search_ = PlaceSearch();
+  for (int i = 0; i < looks; ++i) {
+    if (i + 1 == looks) search_.forget();
+    EXPECT_FALSE(glimpse(i, there_)) << i;
+  }
 }
 
 TEST_F(CameBack, NotEveryScanIsTried) {
@@ -268,15 +299,20 @@ TEST_F(CameBack, PlacesThatFitAlikeAreNotChosenBetween) {
     return points;
   };
   map_->insert(shelves(150000, 1, 0.0, 8.0), Eigen::Vector3d::Zero(), kOld);
-  const std::vector<Eigen::Vector3f> scan = to_points(shelves(1500, 2, 2.0, 5.5));  // its ends would tell
-  aside({0.5, 0.0, 0.0});
-  for (int i = 0; i < 20; ++i) EXPECT_FALSE(look(covariance_of({0.3, 0.003, 0.003}, 1e-4), scan)) << i;
+  const auto look_along = [&](int i, double x, double sigma) {
+    const Eigen::Vector3d position(0.0, i % 2 == 0 ? 0.15 : -0.15, 0.0);
+    aside(position + Eigen::Vector3d(x, 0.0, 0.0));
+    const auto seed = static_cast<unsigned>(2 + i);
+    return look(covariance_of({sigma, 0.003, 0.003}, 1e-4),
+                seen_from(position, shelves(1500, seed, 2.0, 5.5)));  // their ends would tell
+  };
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(look_along(i, 0.5, 0.3)) << i;
+  const auto place = look_along(0, 0.2, 0.05);
+  EXPECT_TRUE(!place || std::abs(position_after(*place).x()) < 0.06)
+      << "3 m are remembered; if it is one, then the nearest";
   search_ = PlaceSearch();
-  aside({0.42, 0.0, 0.0});  // the prior alone, counted at each look, would choose
-  for (int i = 0; i < 20; ++i) EXPECT_FALSE(look(covariance_of({0.1, 0.003, 0.003}, 1e-4), scan)) << i;
-  aside({0.2, 0.0, 0.0});
-  const auto place = look(covariance_of({0.05, 0.003, 0.003}, 1e-4), scan);
-  EXPECT_TRUE(!place || position_after(*place).norm() < 0.06) << "remembered: 3 m; if it is one, then the nearest";
+  for (int i = 0; i < 20; ++i)
+    EXPECT_FALSE(look_along(i, 0.42, 0.1)) << "the prior alone would choose, counted at each look; " << i;
 }
 
 TEST_F(CameBack, AlongACorridorNothingIsFoundButAcrossIt) {

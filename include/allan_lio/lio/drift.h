@@ -10,14 +10,16 @@
 
 namespace allan_lio {
 
-constexpr double kDriftedOff = 0.1;  ///< 1 sigma of the position [m], from which a run looks for its old planes
+// 1 sigma of the position against a part of the map [m]:
+constexpr double kDriftedOff = 0.1;   ///< from which a point looks for that part's planes beside it
+constexpr double kMayBeAside = 0.05;  ///< from which on the run is looked for (PlaceSearch), as it may be too sure
 
 /// What to look for beside the points, by the covariances of the pose (rotation [rad], translation [m]) against the
 /// parts of the map, which end at these epochs (ascending; as many): the parts that the run has drifted off by more
 /// than `drifted_off` (1 sigma [m]) lie aside by up to three sigma. Without that a run comes back beside its own walls,
 /// makes new ones there and stays.
 OldPlanes old_planes(const std::vector<PoseMatrix>& against_parts, const std::vector<std::uint32_t>& last_epochs,
-                     double drifted_off = kDriftedOff);
+                     double drifted_off);
 
 /// The part whose position the run has drifted off the farthest; null if there is no part.
 const PoseMatrix* farthest_part(const std::vector<PoseMatrix>& against_parts);
