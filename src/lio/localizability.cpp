@@ -11,7 +11,7 @@
 namespace allan_lio {
 namespace {
 
-constexpr double kEnoughPlanes = 8.0;   ///< of those that hold a direction up: one of fewer could be an artefact
+constexpr double kEnough = 8.0;         ///< things that hold a direction up: one of fewer could be an artefact
 constexpr double kLeastFeigned = 1e-3;  ///< [1/m^2]: information for less than 30 m of uncertainty is none
 
 /// Rotations in metres at the scene's size.
@@ -31,10 +31,10 @@ PoseMatrix feigned_in_metres(const PoseMatrix& feigned, double scale) {
   return in_metres(feigned, scale) + kLeastFeigned * PoseMatrix::Identity();
 }
 
-/// Probability that the true ratio is above `floor`, where one of `ratio` was found on so many planes.
-double probability_above(double floor, double ratio, double planes) {
+/// Probability that the true ratio is above `floor`, where one of `ratio` was found on so many things.
+double probability_above(double floor, double ratio, double things) {
   if (ratio <= 0.0) return 0.0;
-  return 0.5 * std::erfc(-std::sqrt(0.5 * planes) * (1.0 - floor / ratio));
+  return 0.5 * std::erfc(-std::sqrt(0.5 * things) * (1.0 - floor / ratio));
 }
 
 }  // namespace
@@ -59,9 +59,9 @@ Localizability judge_localizability(const PoseMatrix& information, const PoseMat
   for (int k = 0; k < 6; ++k) {
     const PoseVector x = directions.col(k);
     const double found = x.dot(all * x), ratio = found / x.dot(noise * x);
-    const double planes = squares[k] > 0.0 ? found * found / squares[k] : 1e12;
-    out.probability[k] = probability_above(floor, ratio, planes);
-    const double enough = std::min(1.0, planes / kEnoughPlanes);
+    const double things = squares[k] > 0.0 ? found * found / squares[k] : 1e12;
+    out.probability[k] = probability_above(floor, ratio, things);
+    const double enough = std::min(1.0, things / kEnough);
     out.support[k] = ratio > 1.0 ? out.probability[k] * (1.0 - 1.0 / ratio) * enough * enough : 0.0;
   }
   return out;

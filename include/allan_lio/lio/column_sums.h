@@ -11,7 +11,8 @@
 
 namespace allan_lio {
 
-/// Sums over what stands in the same column of the world: a square of kEdge, however high.
+/// Sums over what stands in the same column of the world: a square of kEdge, however high. (A pillar stands in one to
+/// four of them, by where the grid falls.)
 class ColumnSums {
  public:
   static constexpr double kEdge = 1.0;  ///< [m]

@@ -36,16 +36,17 @@ PoseMatrix unscaled_directions(const Localizability& localizability);
 /// `information` and `feigned`, which are about the pose in radians and metres.
 PoseMatrix support_directions(const PoseMatrix& information, const PoseMatrix& feigned, double scale);
 
-/// Judges each direction by the ratio of information to what the normals' noise feigns along it (theory section 4;
+/// Judges each direction by the ratio of information to what the normals' noise feigns along it (doc/decisions.md 2;
 /// the idea of a probability is Hatleskog and Alexis', RA-L 2024). `squares` is, by direction, the sum of the squares
-/// of what single planes contribute to the information: information^2 / squares is the number of planes that hold the
-/// direction up, and says how far the ratio can be trusted; 0 stands for very many. The weight is
-///   probability of ratio > floor, times 1 - 1 / ratio, times (planes / 8)^2 where fewer than 8 hold it up.
+/// of what single things, planes or columns of them, contribute to the information (PointToPlane::squares_along):
+/// information^2 / squares is the number of things that hold the direction up, and says how far the ratio can be
+/// trusted; 0 stands for very many. The weight is
+///   probability of ratio > floor, times 1 - 1 / ratio, times (things / 8)^2 where fewer than 8 hold it up.
 Localizability judge_localizability(const PoseMatrix& information, const PoseMatrix& feigned,
                                     const PoseMatrix& directions, const PoseVector& squares, double scale,
                                     double floor);
 
-/// The same for very many planes.
+/// The same for very many of them.
 Localizability judge_localizability(const PoseMatrix& information, const PoseMatrix& feigned, double scale,
                                     double floor);
 
