@@ -7,6 +7,7 @@
 #include "allan_lio/lio/point_to_plane.h"
 #include "allan_lio/math/so3.h"
 #include "pose_error.h"
+#include "transported.h"
 
 namespace allan_lio {
 namespace {
@@ -91,6 +92,11 @@ void AbsoluteCovariance::add_surprise(const PoseVector& step, const LioState& st
 void AbsoluteCovariance::transform(const LioMatrix& T) {
   state_ = (T * state_ * T.transpose()).eval();
   cross_ = (T * cross_).eval();
+}
+
+void AbsoluteCovariance::move(const LioMatrix& T) {
+  state_ = transported(T, state_);
+  transport_rows(T, cross_);
 }
 
 void AbsoluteCovariance::update(const UsedMeasurement& used, bool estimate_extrinsics) {

@@ -6,6 +6,7 @@
 
 #include "allan_lio/lio/decouple.h"
 #include "pose_error.h"
+#include "transported.h"
 
 namespace allan_lio {
 namespace {
@@ -162,15 +163,16 @@ UpdateReport iterated_update(const std::vector<Eigen::Vector3f>& points_imu, con
     used.gain = solution.gain;
     used.parts = residuals.information_of_parts();
     for (PoseMatrix& part : used.parts) part = (part * without_pure(report.localizability)).eval();
-    belief.covariance = reset * solution.posterior.covariance * reset.transpose();
-    belief.view = {reset * solution.posterior.view.cross, solution.posterior.view.own};
+    belief.covariance = transported(reset, solution.posterior.covariance);
+    belief.view = solution.posterior.view;
+    transport_rows(reset, belief.view.cross);
     iterate = next;
     uncertainty.iterate = relative_covariance(belief.covariance, belief.view, lidar_pose_rows(iterate, estimate));
     if (converged(solution.step, config.update)) break;
   }
-  absolute.transform(transport(used.state, prior));
+  absolute.move(transport(used.state, prior));
   absolute.update(used, estimate);
-  absolute.transform(transport(iterate, used.state));
+  absolute.move(transport(iterate, used.state));
   report.relocated = conditions.place && is_near(lio_minus(iterate, prior).head<6>(), conditions.place->step);
   state = iterate;
   report.applied = true;

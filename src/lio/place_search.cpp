@@ -39,10 +39,11 @@ Eigen::Vector4d sigmas_of(const PoseMatrix& covariance, const LioState& state) {
   return out.cwiseMax(0.0).cwiseSqrt();
 }
 
-/// The best coarse step, refined if enough points fit there.
+/// The best coarse step, refined if enough points fit there and it is not none.
 PlaceCandidate best_of(const PlaceTrial& trial) {
   const PlaceCandidate coarse = *trial.best_on_grid(PlaceOffset::Zero(), 0.0);
-  return coarse.fit < kLeastShare * static_cast<double>(trial.points()) ? coarse : trial.refine(coarse.at);
+  const bool fits = coarse.fit >= kLeastShare * static_cast<double>(trial.points());
+  return fits && !coarse.at.isZero(0.0) ? trial.refine(coarse.at) : coarse;
 }
 
 WeighedPlace weigh(const PlaceCandidate& place, const PlaceCandidate& here, const PlaceTrial& trial) {

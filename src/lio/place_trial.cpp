@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "allan_lio/lio/drift.h"
 #include "allan_lio/math/so3.h"
@@ -22,16 +23,13 @@ constexpr int kMostPlaces = 5000;      ///< that are looked at; some 30 ms
 /// Logarithm of the probability of an error of so many sigma, squared: Student's distribution.
 double log_prior(double squared_sigmas) { return -2.0 * std::log1p(squared_sigmas / 3.0); }
 
-/// Not in any rhythm that the beams' order has.
-std::vector<Eigen::Vector3d> spread_over(const std::vector<Eigen::Vector3d>& points, std::size_t count) {
+/// A step by which all of so many points are visited once, the first of them spread over all, and in no rhythm that
+/// the beams' order has.
+std::size_t visiting_step(std::size_t count) {
   constexpr double kGoldenRatio = 0.6180339887498949;
-  std::vector<Eigen::Vector3d> out;
-  out.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const double turns = kGoldenRatio * static_cast<double>(i);
-    out.push_back(points[static_cast<std::size_t>((turns - std::floor(turns)) * static_cast<double>(points.size()))]);
-  }
-  return out;
+  auto step = static_cast<std::size_t>(std::round(kGoldenRatio * static_cast<double>(count)));
+  while (std::gcd(step, count) > 1) ++step;
+  return step;
 }
 
 }  // namespace
@@ -53,15 +51,18 @@ void PlaceTrial::choose_points(const std::vector<Eigen::Vector3f>& points) {
   if (reach.z() < kCoarse) reach.z() = 0.0;  // else a floor would tell that the run is back
   double squared = 0.0;
   Plane scratch;
-  points_.reserve(points.size());
-  for (const Eigen::Vector3f& p : points) {
-    const Eigen::Vector3d q = p.cast<double>(), arm = rotation * q;
-    const Plane* plane = map_.find_old(arm + pose_.translation, pose_.translation, near);
-    if (!plane) plane = map_.find(arm + pose_.translation, scratch);
-    if (plane) {
+  points_.reserve(kMostPoints);
+  const std::size_t step = visiting_step(points.size());
+  for (std::size_t i = 0, at = 0; i < points.size() && points_.size() < kMostPoints; ++i) {
+    const Eigen::Vector3d q = points[at].cast<double>(), arm = rotation * q;
+    at = (at + step) % points.size();
+    const auto stays = [&](const Plane* plane) {
+      if (!plane) return false;
       const double turn = Eigen::Vector3d::UnitZ().cross(arm).dot(plane->normal);
-      if (plane->normal.cwiseAbs().dot(reach) + kReach * heading_sigma_ * std::abs(turn) < kFine) continue;
-    }
+      return plane->normal.cwiseAbs().dot(reach) + kReach * heading_sigma_ * std::abs(turn) < kFine;
+    };
+    if (stays(map_.find(arm + pose_.translation, scratch))) continue;  // the floor, at little cost
+    if (stays(map_.find_old(arm + pose_.translation, pose_.translation, near))) continue;
     points_.push_back(q);
     squared += arm.head<2>().squaredNorm();
   }
@@ -69,8 +70,7 @@ void PlaceTrial::choose_points(const std::vector<Eigen::Vector3f>& points) {
   lever_ = std::max(1.0, std::sqrt(squared / static_cast<double>(points_.size())));
   sigmas_ << position_sigmas_, heading_sigma_ * lever_;
   sigmas_ = sigmas_.cwiseMax(kLeastSigma);
-  if (points_.size() > kMostPoints) points_ = spread_over(points_, kMostPoints);
-  few_ = spread_over(points_, points_.size() / kFewer);
+  few_.assign(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(points_.size() / kFewer));
 }
 
 PoseVector PlaceTrial::step(const PlaceOffset& at) const {

@@ -7,6 +7,7 @@
 #include "allan_lio/lio/bias_mean.h"
 #include "allan_lio/math/s2.h"
 #include "allan_lio/math/so3.h"
+#include "transported.h"
 
 namespace allan_lio {
 namespace {
@@ -65,10 +66,11 @@ PoseMatrix relative_covariance(const LioMatrix& covariance, const ViewError& see
 UpdateStep solve_step(const LioState& iterate, const LioState& prior, const Belief& belief, const ScanError& scan,
                       const NormalEquations& equations, bool estimate_extrinsics) {
   const LioMatrix to_iterate = transport(iterate, prior);
-  const LioMatrix p = to_iterate * belief.covariance * to_iterate.transpose();
+  const LioMatrix p = transported(to_iterate, belief.covariance);
   const ViewError error = seen_error(belief.view, scan);
-  const Eigen::Matrix<double, kLioDof, 6> cross = to_iterate * error.cross;
-  const Eigen::Matrix<double, kLioDof, 6> of_view = to_iterate * belief.view.cross;
+  Eigen::Matrix<double, kLioDof, 6> cross = error.cross, of_view = belief.view.cross;
+  transport_rows(to_iterate, cross);
+  transport_rows(to_iterate, of_view);
   const LioVector pull = -to_iterate * lio_minus(iterate, prior);
 
   Eigen::Matrix<double, kLioDof, kTouched> touched;

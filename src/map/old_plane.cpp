@@ -30,22 +30,36 @@ const Plane* find_old_plane(const VoxelStore<PlaneVoxel>& store, const Eigen::Ve
   }
   const Plane* nearest = nullptr;
   double least = old_planes.reach;
-  for (int x = low[0]; x <= high[0]; ++x)
-    for (int y = low[1]; y <= high[1]; ++y)
-      for (int z = low[2]; z <= high[2]; ++z)
-        for (const bool second : {false, true}) {
-          const VoxelCoordinates c{x, y, z, second};
-          const PlaneVoxel* voxel = store.find(c);
-          if (!voxel) break;
-          const Plane& plane = voxel->plane;
-          if (!voxel->is_plane || plane.epoch > old_planes.last_epoch) continue;
-          const double distance = std::abs(plane.distance(point));
-          if (distance >= least || !in_same_cube(voxel_of(plane.foot(point), store.inverse_edge()), c) ||
-              !is_seen_alike(plane, beam))
-            continue;
+  const auto look_into = [&](int x, int y, int z) {
+    for (const bool second : {false, true}) {
+      const VoxelCoordinates c{x, y, z, second};
+      const PlaneVoxel* voxel = store.find(c);
+      if (!voxel) return;
+      const Plane& plane = voxel->plane;
+      if (voxel->is_plane && plane.epoch <= old_planes.last_epoch) {
+        const double distance = std::abs(plane.distance(point));
+        if (distance < least && in_same_cube(voxel_of(plane.foot(point), store.inverse_edge()), c) &&
+            is_seen_alike(plane, beam)) {
           nearest = &plane;
           least = distance;
         }
+      }
+      if (!voxel->is_divided) return;
+    }
+  };
+  // The nearest is likely to be in the point's own cube; and in none that is farther away than the nearest so far.
+  const VoxelCoordinates home = voxel_of(point, store.inverse_edge());
+  look_into(home.x, home.y, home.z);
+  const auto beside = [&scaled](int k, int cube) { return std::max({0.0, cube - scaled[k], scaled[k] - (cube + 1)}); };
+  for (int x = low[0]; x <= high[0]; ++x)
+    for (int y = low[1]; y <= high[1]; ++y) {
+      const double aside = beside(0, x) * beside(0, x) + beside(1, y) * beside(1, y);
+      for (int z = low[2]; z <= high[2]; ++z) {
+        const double steps_away = aside + beside(2, z) * beside(2, z), within = least * store.inverse_edge();
+        if (steps_away > within * within || (x == home.x && y == home.y && z == home.z)) continue;
+        look_into(x, y, z);
+      }
+    }
   return nearest;
 }
 

@@ -60,6 +60,8 @@ class AbsoluteCovariance {
 
   /// The state's error goes over to T times itself.
   void transform(const LioMatrix& T);
+  /// The same for a T of transport(): the error about another state.
+  void move(const LioMatrix& T);
   /// Independent errors come on top.
   void add(const LioMatrix& noise) { state_ += noise; }
 
