@@ -35,19 +35,20 @@ std::optional<CloudField> find_field(const sensor_msgs::PointCloud2& cloud, cons
   return std::nullopt;
 }
 
-bool read_sizes(const sensor_msgs::PointCloud2& cloud, CloudLayout& layout, std::string& error) {
+bool read_sizes(const CloudView& view, CloudLayout& layout, std::string& error) {
+  const sensor_msgs::PointCloud2& cloud = view.head;
   const std::uint64_t row_bytes = std::uint64_t{cloud.width} * cloud.point_step;
   const std::uint64_t row_step = cloud.height == 1 ? row_bytes : cloud.row_step;
   // Each factor is below 2^32 and row_step is checked first, so none of this overflows 64 bits.
-  const bool fits = cloud.point_step > 0 && row_bytes <= cloud.data.size() && row_step >= row_bytes &&
-                    row_step * (cloud.height - 1ULL) + row_bytes <= cloud.data.size();
+  const bool fits = cloud.point_step > 0 && row_bytes <= view.size && row_step >= row_bytes &&
+                    row_step * (cloud.height - 1ULL) + row_bytes <= view.size;
   if (!fits) {
-    error = "the cloud's header does not match its " + std::to_string(cloud.data.size()) + " bytes: width " +
+    error = "the cloud's header does not match its " + std::to_string(view.size) + " bytes: width " +
             std::to_string(cloud.width) + ", height " + std::to_string(cloud.height) + ", point_step " +
             std::to_string(cloud.point_step) + ", row_step " + std::to_string(cloud.row_step);
     return false;
   }
-  layout.data = cloud.data.data();
+  layout.data = view.data;
   layout.rows = cloud.height;
   layout.columns = cloud.width;
   layout.point_step = cloud.point_step;
@@ -76,8 +77,8 @@ bool read_position(const sensor_msgs::PointCloud2& cloud, CloudLayout& layout, s
 
 }  // namespace
 
-std::optional<CloudLayout> read_layout(const sensor_msgs::PointCloud2& cloud, const std::string& time_field,
-                                       std::string& error) {
+std::optional<CloudLayout> read_layout(const CloudView& view, const std::string& time_field, std::string& error) {
+  const sensor_msgs::PointCloud2& cloud = view.head;
   error.clear();
   CloudLayout layout;
   if (cloud.width == 0 || cloud.height == 0) return layout;
@@ -85,7 +86,7 @@ std::optional<CloudLayout> read_layout(const sensor_msgs::PointCloud2& cloud, co
     error = "the cloud is big-endian; only little-endian clouds are read";
     return std::nullopt;
   }
-  if (!read_sizes(cloud, layout, error) || !read_position(cloud, layout, error)) return std::nullopt;
+  if (!read_sizes(view, layout, error) || !read_position(cloud, layout, error)) return std::nullopt;
   layout.intensity = find_field(cloud, "intensity", error);
   layout.tag = find_field(cloud, "tag", error);
   // Only Livox's tag is one byte; others' fields of that name mean something else.

@@ -10,7 +10,7 @@ namespace {
 /// Goes over a message as ROS serialises it: little-endian, a count of 32 bits before strings and lists.
 class WireWalk {
  public:
-  WireWalk(const std::uint8_t* bytes, std::size_t size) : at_(bytes), left_(size) {}
+  WireWalk(const std::uint8_t* bytes, std::size_t size) : bytes_(bytes), at_(bytes), left_(size) {}
 
   void skip(std::uint64_t bytes) {
     ok_ = ok_ && bytes <= left_;
@@ -26,9 +26,12 @@ class WireWalk {
     return value;
   }
   void skip_string() { skip(count()); }
+  /// From the start to here.
+  std::size_t size() const { return static_cast<std::size_t>(at_ - bytes_); }
   bool ok() const { return ok_; }
 
  private:
+  const std::uint8_t* bytes_;
   const std::uint8_t* at_;
   std::size_t left_;
   bool ok_ = true;
@@ -36,7 +39,7 @@ class WireWalk {
 
 }  // namespace
 
-bool holds_point_cloud(const std::uint8_t* bytes, std::size_t size) {
+std::optional<CloudView> read_point_cloud(const std::uint8_t* bytes, std::size_t size) {
   WireWalk walk(bytes, size);
   walk.skip(4 + 8);    // header: seq, stamp
   walk.skip_string();  // frame_id
@@ -48,9 +51,42 @@ bool holds_point_cloud(const std::uint8_t* bytes, std::size_t size) {
     walk.skip(4 + 1 + 4);  // offset, datatype, count
   }
   walk.skip(1 + 4 + 4);  // is_bigendian, point_step, row_step
-  walk.skip_string();    // data
-  walk.skip(1);          // is_dense
-  return walk.ok();
+  const std::size_t head_size = walk.size();
+  CloudView out;
+  out.size = walk.count();
+  out.data = bytes + walk.size();
+  walk.skip(out.size);
+  walk.skip(1);  // is_dense
+  if (!walk.ok()) return std::nullopt;
+
+  // IStream takes a pointer to non-const although it only reads.
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(bytes), static_cast<std::uint32_t>(head_size));
+  sensor_msgs::PointCloud2& head = out.head;
+  stream.next(head.header);
+  stream.next(head.height);
+  stream.next(head.width);
+  stream.next(head.fields);
+  stream.next(head.is_bigendian);
+  stream.next(head.point_step);
+  stream.next(head.row_step);
+  head.is_dense = bytes[walk.size() - 1];
+  return out;
+}
+
+CloudView view_of(const sensor_msgs::PointCloud2& cloud) {
+  CloudView out;
+  out.data = cloud.data.data();
+  out.size = cloud.data.size();
+  sensor_msgs::PointCloud2& head = out.head;
+  head.header = cloud.header;
+  head.height = cloud.height;
+  head.width = cloud.width;
+  head.fields = cloud.fields;
+  head.is_bigendian = cloud.is_bigendian;
+  head.point_step = cloud.point_step;
+  head.row_step = cloud.row_step;
+  head.is_dense = cloud.is_dense;
+  return out;
 }
 
 }  // namespace allan_lio

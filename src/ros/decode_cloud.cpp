@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "allan_lio/lidar/sweep_window.h"
-#include "allan_lio/ros/cloud_wire.h"
 #include "allan_lio/ros/conversions.h"
 #include "allan_lio/ros/livox_custom.h"
 #include "point_reader.h"
@@ -57,15 +56,17 @@ std::optional<LidarTurn> turn_of(const LioConfig::Lidar& options) {
 CloudDecoder::CloudDecoder(const LioConfig::Lidar& options)
     : options_(options), turn_(turn_of(options)), detector_(options) {}
 
-DecodedCloud CloudDecoder::decode(const sensor_msgs::PointCloud2& cloud) {
+DecodedCloud CloudDecoder::decode(const sensor_msgs::PointCloud2& cloud) { return decode(view_of(cloud)); }
+
+DecodedCloud CloudDecoder::decode(const CloudView& cloud) {
   DecodedCloud decoded;
   const std::optional<CloudLayout> layout = read_layout(cloud, options_.time_field, decoded.error);
   if (!layout) return decoded;
   if (options_.deskew && !turn_ && layout->points() > 0 && !layout->time) {
-    decoded.error = missing_time(cloud, options_.time_field);
+    decoded.error = missing_time(cloud.head, options_.time_field);
     return decoded;
   }
-  return decode(*layout, to_time_ns(cloud.header.stamp));
+  return decode(*layout, to_time_ns(cloud.head.header.stamp));
 }
 
 DecodedCloud CloudDecoder::decode(const RawCloud& cloud) {
@@ -76,15 +77,10 @@ DecodedCloud CloudDecoder::decode(const RawCloud& cloud) {
     const std::optional<LivoxCustom> livox = read_livox_custom(cloud.bytes, cloud.size, decoded.error);
     return livox ? decode(livox->layout, livox->stamp) : decoded;
   }
-  if (!holds_point_cloud(cloud.bytes, cloud.size)) {
-    decoded.error = "the cloud's " + std::to_string(cloud.size) + " bytes end before what its lengths announce";
-    return decoded;
-  }
-  sensor_msgs::PointCloud2 message;
-  // IStream takes a pointer to non-const although it only reads.
-  ros::serialization::IStream stream(const_cast<std::uint8_t*>(cloud.bytes), static_cast<std::uint32_t>(cloud.size));
-  ros::serialization::deserialize(stream, message);
-  return decode(message);
+  const std::optional<CloudView> view = read_point_cloud(cloud.bytes, cloud.size);
+  if (view) return decode(*view);
+  decoded.error = "the cloud's " + std::to_string(cloud.size) + " bytes end before what its lengths announce";
+  return decoded;
 }
 
 DecodedCloud CloudDecoder::decode(const CloudLayout& layout, TimeNs stamp) {

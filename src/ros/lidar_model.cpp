@@ -21,7 +21,7 @@ bool has(const sensor_msgs::PointCloud2& cloud, const char* name) {
 }
 
 /// How many beams a Velodyne has, by the largest ring.
-double largest_ring(const sensor_msgs::PointCloud2& cloud) {
+double largest_ring(const CloudView& cloud) {
   // The ring is read as if it were the time: any field of the layout will do.
   std::string error;
   const std::optional<CloudLayout> layout = read_layout(cloud, "ring", error);
@@ -41,12 +41,13 @@ std::string guess_lidar_model(const BagMessage& message) {
   const RawCloud raw = to_raw_cloud(message);
   std::string error;
   if (cloud_kind(raw, error) == CloudKind::kLivoxCustom) return "lidar/livox";
-  if (!error.empty() || !holds_point_cloud(raw.bytes, raw.size)) return "lidar/velodyne16";
-  const auto cloud = message.as<sensor_msgs::PointCloud2>();
-  const std::string names = message.connection->topic + " " + cloud->header.frame_id;
-  if (has(*cloud, "tag") && has(*cloud, "line")) return "lidar/livox";
-  if (has(*cloud, "t")) return "lidar/ouster";
-  if (has(*cloud, "timestamp")) return contains(names, "rslidar") ? "lidar/robosense" : "lidar/hesai";
+  const auto cloud = error.empty() ? read_point_cloud(raw.bytes, raw.size) : std::nullopt;
+  if (!cloud) return "lidar/velodyne16";
+  const sensor_msgs::PointCloud2& head = cloud->head;
+  const std::string names = message.connection->topic + " " + head.header.frame_id;
+  if (has(head, "tag") && has(head, "line")) return "lidar/livox";
+  if (has(head, "t")) return "lidar/ouster";
+  if (has(head, "timestamp")) return contains(names, "rslidar") ? "lidar/robosense" : "lidar/hesai";
   const double ring = largest_ring(*cloud);
   return ring < 16 ? "lidar/velodyne16" : ring < 32 ? "lidar/velodyne32" : "lidar/velodyne64";
 }

@@ -6,6 +6,7 @@
 #include <sensor_msgs/PointCloud2.h>
 
 #include <cstring>
+#include <numeric>
 #include <vector>
 
 #include "allan_lio/ros/decode_cloud.h"
@@ -17,34 +18,63 @@ namespace {
 constexpr std::size_t kFrameCount = 12, kFieldCount = kFrameCount + 4 + 5 + 8, kNameCount = kFieldCount + 4,
                       kDataCount = kNameCount + 3 * (4 + 1 + 9) + 1 + 8;
 
-std::vector<std::uint8_t> serialised() {
+sensor_msgs::PointCloud2 three_points() {
   sensor_msgs::PointCloud2 cloud;
+  cloud.header.seq = 7;
+  cloud.header.stamp = ros::Time(3, 4);
   cloud.header.frame_id = "lidar";
   cloud.height = 1;
   cloud.width = 3;
   cloud.point_step = 12;
   cloud.row_step = 36;
   cloud.data.resize(36);
+  std::iota(cloud.data.begin(), cloud.data.end(), std::uint8_t{1});
+  cloud.is_dense = 1;
   for (const char* name : {"x", "y", "z"}) {
     sensor_msgs::PointField field;
     field.name = name;
     field.datatype = sensor_msgs::PointField::FLOAT32;
     cloud.fields.push_back(field);
   }
+  return cloud;
+}
+
+std::vector<std::uint8_t> serialised() {
+  const sensor_msgs::PointCloud2 cloud = three_points();
   std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(cloud));
   ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   ros::serialization::serialize(stream, cloud);
   return bytes;
 }
 
+void expect_equal(const CloudView& view, const sensor_msgs::PointCloud2& cloud) {
+  sensor_msgs::PointCloud2 whole = view.head;
+  whole.data.assign(view.data, view.data + view.size);
+  EXPECT_EQ(whole, cloud);
+}
+
 TEST(CloudWire, AWholeCloudIsOne) {
   const std::vector<std::uint8_t> bytes = serialised();
-  EXPECT_TRUE(holds_point_cloud(bytes.data(), bytes.size()));
+  const std::optional<CloudView> view = read_point_cloud(bytes.data(), bytes.size());
+  ASSERT_TRUE(view);
+  expect_equal(*view, three_points());
+  const sensor_msgs::PointCloud2 cloud = three_points();
+  expect_equal(view_of(cloud), cloud);
+}
+
+TEST(CloudWire, ThePointsAreLeftWhereTheyAre) {
+  const std::vector<std::uint8_t> bytes = serialised();
+  const std::optional<CloudView> view = read_point_cloud(bytes.data(), bytes.size());
+  ASSERT_TRUE(view);
+  EXPECT_EQ(view->data, bytes.data() + kDataCount + 4);
+  EXPECT_TRUE(view->head.data.empty());
+  const sensor_msgs::PointCloud2 cloud = three_points();
+  EXPECT_EQ(view_of(cloud).data, cloud.data.data());
 }
 
 TEST(CloudWire, ACloudThatEndsAnywhereBeforeItsEndIsNone) {
   const std::vector<std::uint8_t> bytes = serialised();
-  for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(holds_point_cloud(bytes.data(), size)) << size;
+  for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(read_point_cloud(bytes.data(), size)) << size;
 }
 
 TEST(CloudWire, CountsOfThingsThatAreNotThereAreRefused) {
@@ -52,7 +82,7 @@ TEST(CloudWire, CountsOfThingsThatAreNotThereAreRefused) {
     for (const std::uint32_t lie : {0xFFFFFFFFU, 0x7FFFFFFFU, 1000000U}) {
       std::vector<std::uint8_t> bytes = serialised();
       std::memcpy(&bytes[at], &lie, sizeof lie);
-      EXPECT_FALSE(holds_point_cloud(bytes.data(), bytes.size())) << at << ": " << lie;
+      EXPECT_FALSE(read_point_cloud(bytes.data(), bytes.size())) << at << ": " << lie;
       LioConfig::Lidar lidar{};
       CloudDecoder decoder(lidar);
       const DecodedCloud decoded =

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <sensor_msgs/PointCloud2.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -11,6 +9,7 @@
 #include <string>
 
 #include "allan_lio/lidar/point_time.h"
+#include "allan_lio/ros/cloud_wire.h"
 
 namespace allan_lio {
 
@@ -36,8 +35,7 @@ struct CloudLayout {
 
 /// Checks the header and finds the fields. `time_field`: name of the point time, empty to find it. An empty cloud
 /// gives a layout without points. Otherwise nothing, and `error` is a sentence.
-std::optional<CloudLayout> read_layout(const sensor_msgs::PointCloud2& cloud, const std::string& time_field,
-                                       std::string& error);
+std::optional<CloudLayout> read_layout(const CloudView& cloud, const std::string& time_field, std::string& error);
 
 /// A number of type T at any address.
 template <class T>

@@ -23,10 +23,10 @@ struct DecodedCloud {
   std::string error;
 };
 
-/// sensor_msgs/PointCloud2 of any driver, or Livox's CustomMsg, to Scan, in one pass over the bytes. x, y, z are
-/// float32 or float64; intensity (may be absent) and point time are of any numeric type. Invalid points (NaN, inf, all
-/// zero, a time that is no time, noise by Livox's tag) and points out of range are dropped and counted. A few points
-/// with an absurd time do not stretch the scan (lidar/sweep_window.h); a scan with many of them is refused.
+/// sensor_msgs/PointCloud2 of any driver, or Livox's CustomMsg, to Scan, in one pass over the bytes where they lie. x,
+/// y, z are float32 or float64; intensity (may be absent) and point time are of any numeric type. Invalid points (NaN,
+/// inf, all zero, a time that is no time, noise by Livox's tag) and points out of range are dropped and counted. A few
+/// points with an absurd time do not stretch the scan (lidar/sweep_window.h); a scan with many of them is refused.
 class CloudDecoder {
  public:
   explicit CloudDecoder(const LioConfig::Lidar& options);
@@ -43,6 +43,7 @@ class CloudDecoder {
   std::vector<std::string> remarks() const;
 
  private:
+  DecodedCloud decode(const CloudView& cloud);
   DecodedCloud decode(const CloudLayout& layout, TimeNs stamp);
   /// Reads the points by the rule. A sentence if the scan is to be refused.
   std::string read_by_rule(const CloudLayout& layout, TimeNs stamp, Scan& scan);
