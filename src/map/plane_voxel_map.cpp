@@ -24,6 +24,7 @@ constexpr double kMaxStructure = 0.06;      ///< of the edge
 constexpr double kLeastAspect = 3.0;
 constexpr std::uint32_t kMinPoints = 8;
 constexpr std::uint32_t kMaxIndependent = 100;
+constexpr std::size_t kRenewedAtOnce = 256;
 
 class PlaneVoxelMap : public VoxelMap {
  public:
@@ -45,6 +46,7 @@ class PlaneVoxelMap : public VoxelMap {
       insert_point(p);
     }
     refit_touched();
+    renew_sieve();
   }
 
   const Plane* find(const Eigen::Vector3d& point, Plane&) const override {
@@ -69,6 +71,7 @@ class PlaneVoxelMap : public VoxelMap {
   void clear() override {
     store_.clear();
     sieve_.clear();
+    renewed_ = 0;
   }
   std::size_t voxels() const override { return store_.size(); }
   std::size_t bytes() const override {
@@ -103,6 +106,19 @@ class PlaneVoxelMap : public VoxelMap {
     refit_touched();
     store_.make_room(sensor, options_.radius);
     for (std::size_t i = 0; i < store_.size(); ++i) store_[i].plane.group = static_cast<std::uint32_t>(i);
+    renewed_ = 0;
+  }
+
+  /// Some of the voxels, the next ones in turn, so that every scan costs the same.
+  void renew_sieve() {
+    const std::size_t end = std::min(renewed_ + kRenewedAtOnce, store_.size());
+    for (; renewed_ < end; ++renewed_) {
+      const PlaneVoxel& voxel = store_[renewed_];
+      if (voxel.is_plane) sieve_.renew(voxel.coordinates, voxel.plane.epoch);
+    }
+    if (renewed_ < store_.size()) return;
+    sieve_.finish_renewal();
+    renewed_ = 0;
   }
 
   void refit_touched() {
@@ -129,9 +145,7 @@ class PlaneVoxelMap : public VoxelMap {
   /// A voxel that is no plane yet takes only the points inside of it (`is_home`): which of those beside it have their
   /// foot in it is not known.
   void add_to_voxel(const VoxelCoordinates& c, bool is_home, const Eigen::Vector3d& p) {
-    const std::size_t before = store_.size();
     const std::uint32_t i = is_home ? store_.find_or_make(c) : store_.number_of(c);
-    if (store_.size() > before) sieve_.note(c, epoch_);
     if (i == VoxelIndex::kNone) return;
     PlaneVoxel& voxel = store_[i];
     if (!voxel.is_plane && !is_home) return;
@@ -156,10 +170,12 @@ class PlaneVoxelMap : public VoxelMap {
     voxel.is_touched = false;
     if (10 * voxel.sums.count < 11 * voxel.fitted_at) return;
     voxel.fitted_at = voxel.sums.count;
+    const bool was_plane = voxel.is_plane;
     voxel.is_plane = fit_plane(voxel.sums, store_.voxel_center(voxel.coordinates), limits_, voxel.plane);
     if (voxel.plane.view.dot(voxel.plane.center - sensor_) < 0.0) voxel.plane.view = -voxel.plane.view;
     voxel.plane.group = i;
     voxel.plane.epoch = static_cast<std::uint32_t>(voxel.epochs / voxel.sums.count);
+    if (voxel.is_plane && !was_plane) sieve_.note(voxel.coordinates, voxel.plane.epoch);
   }
 
   bool belongs(const Eigen::Vector3d& point, const Plane& plane) const {
@@ -172,6 +188,7 @@ class PlaneVoxelMap : public VoxelMap {
   PlaneLimits limits_;
   VoxelStore<PlaneVoxel> store_;
   EpochSieve sieve_;
+  std::size_t renewed_ = 0;  ///< so many voxels, the first ones, the sieve knows anew
   std::vector<std::uint32_t> touched_;
   std::uint32_t epoch_ = 0;                           ///< of the points that are being inserted
   Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();  ///< where they were seen from [m]

@@ -27,6 +27,11 @@ std::vector<Eigen::Vector3d> wall(double at, double half, int count, unsigned se
   return points;
 }
 
+std::vector<Eigen::Vector3d> moved(std::vector<Eigen::Vector3d> points, const Eigen::Vector3d& by) {
+  for (Eigen::Vector3d& p : points) p += by;
+  return points;
+}
+
 PoseMatrix position_covariance(double sigma) {
   PoseMatrix out = 1e-8 * PoseMatrix::Identity();
   out.bottomRightCorner<3, 3>() *= 1e8 * sigma * sigma;
@@ -57,11 +62,52 @@ TEST(OldPlanes, AreFoundBesideAPointWhoseOwnVoxelIsEmpty) {
   EXPECT_EQ(map->find_old(beside, sensor, {0.6, 2}), nullptr) << "too young";
 }
 
+TEST(OldPlanes, AreStillFoundWhenTheRunHasGoneFarAndIsBack) {
+  const auto map = make_plane_voxel_map(kOptions);
+  map->insert(wall(2.25, 3.0, 40000, 1), Eigen::Vector3d::Zero(), kOld);
+  const Eigen::Vector3d beside(2.65, 0.2, 0.2), sensor = Eigen::Vector3d::Zero();
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    const Eigen::Vector3d way(0.0, 6.0 * (i + 1), 0.0);
+    map->insert(moved(wall(2.25, 3.0, 2000, 10 + i), way), way, kYoung + i);
+    ASSERT_NE(map->find_old(beside, sensor, kLookFor), nullptr) << i;
+  }
+  EXPECT_GT(map->voxels(), 3000U) << "or what is found by turns was never more than one turn";
+}
+
+TEST(OldPlanes, AreStillFoundWhenAFullMapHasMadeRoom) {
+  VoxelMapOptions options = kOptions;
+  options.max_mb = 1.6;
+  const auto map = make_plane_voxel_map(options);
+  map->insert(moved(wall(2.25, 11.0, 40000, 1), {0.0, 70.0, 0.0}), {0.0, 70.0, 0.0}, kOld);
+  const std::size_t far_away = map->voxels();
+  map->insert(wall(2.25, 3.0, 40000, 2), Eigen::Vector3d::Zero(), kOld);
+  const std::size_t before = map->voxels();
+  for (int i = 0; i < 10; ++i) map->insert({}, Eigen::Vector3d::Zero(), kYoung);  // once around, and a third
+  map->insert(moved(wall(2.25, 11.0, 40000, 3), {0.0, 15.0, 0.0}), Eigen::Vector3d::Zero(), kYoung);
+  ASSERT_LT(map->voxels(), before + far_away) << "it has not made room";
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_NE(map->find_old({2.65, 0.2, 0.2}, Eigen::Vector3d::Zero(), kLookFor), nullptr) << i;
+    map->insert({}, Eigen::Vector3d::Zero(), kYoung);
+  }
+}
+
+TEST(OldPlanes, OfWhosePointsTooFewWereThereAtFirstAreFoundOnceTheyArePlanes) {
+  const auto map = make_plane_voxel_map(kOptions);
+  const std::vector<Eigen::Vector3d> patch = moved(wall(2.25, 0.24, 9, 2), {0.0, 0.25, 0.25});  // into one voxel
+  const Eigen::Vector3d beside(2.65, 0.25, 0.25), sensor(0.0, 0.25, 0.25);
+  map->insert(moved(wall(2.25, 12.0, 40000, 3), {0.0, 60.0, 0.0}), {0.0, 60.0, 0.0}, kOld);
+  ASSERT_GT(map->voxels(), 2000U) << "so that it takes many scans until all are looked through by turns";
+  map->insert({patch.begin(), patch.begin() + 7}, sensor, kOld);
+  for (std::uint32_t i = 1; i < 4; ++i) map->insert({}, sensor, kOld + i);
+  ASSERT_EQ(map->find_old(beside, sensor, kLookFor), nullptr);
+  map->insert({patch.begin() + 7, patch.end()}, sensor, kOld + 4);
+  EXPECT_NE(map->find_old(beside, sensor, kLookFor), nullptr) << "seven of nine points are of epoch 3";
+}
+
 TEST(OldPlanes, ANarrowOneIsKnownOnlyFromWhereItWasSeen) {
   const auto map = make_plane_voxel_map(kOptions);
-  std::vector<Eigen::Vector3d> strip = wall(2.25, 0.19, 400, 2);
-  for (Eigen::Vector3d& p : strip) p += Eigen::Vector3d(0.0, 0.25, 0.25);  // into the middle of a voxel
-  map->insert(strip, {-8.0, 0.0, 0.0}, kOld);
+  const Eigen::Vector3d into_a_voxel(0.0, 0.25, 0.25);
+  map->insert(moved(wall(2.25, 0.19, 400, 2), into_a_voxel), {-8.0, 0.0, 0.0}, kOld);
   const Eigen::Vector3d beside(2.4, 0.2, 0.2);
   EXPECT_NE(map->find_old(beside, {-6.0, 2.0, 0.0}, kLookFor), nullptr);
   EXPECT_EQ(map->find_old(beside, {-3.0, 8.0, 0.0}, kLookFor), nullptr) << "56 deg off; a pillar shows another surface";

@@ -52,5 +52,42 @@ TEST(EpochSieve, NeverDeniesWhatIsThereAndDeniesMostOfWhatIsNot) {
   EXPECT_FALSE(sieve.may_be_near(made.front().first, 100));
 }
 
+/// How many of the voxels it denies to be near at this epoch.
+int denied(const EpochSieve& sieve, const Made& voxels, std::uint32_t last_epoch) {
+  int count = 0;
+  for (const auto& [c, epoch] : voxels) count += sieve.may_be_near(c, last_epoch) ? 0 : 1;
+  return count;
+}
+
+TEST(EpochSieve, FollowsVoxelsThatAreSeenAgain) {
+  std::mt19937 random(2);
+  const Made made = some_voxels(300, random);
+  EpochSieve sieve;
+  for (const auto& [c, epoch] : made) sieve.note(c, 10);
+  sieve.finish_renewal();
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    sieve.renew(made[i].first, 50);
+    ASSERT_EQ(denied(sieve, made, 10), 0) << "a renewal that is not finished denies nothing";
+  }
+  sieve.finish_renewal();
+  EXPECT_EQ(denied(sieve, made, 49), 300);
+  EXPECT_EQ(denied(sieve, made, 50), 0);
+}
+
+TEST(EpochSieve, KeepsWhatComesDuringARenewal) {
+  EpochSieve sieve;
+  const VoxelCoordinates first{0, 0, 0}, second{40, 0, 0};
+  sieve.note(first, 5);
+  sieve.finish_renewal();
+  sieve.renew(first, 8);
+  sieve.note(second, 9);
+  sieve.finish_renewal();
+  EXPECT_FALSE(sieve.may_be_near(first, 7));
+  EXPECT_TRUE(sieve.may_be_near(first, 8));
+  EXPECT_TRUE(sieve.may_be_near(second, 9));
+  sieve.finish_renewal();
+  EXPECT_FALSE(sieve.may_be_near(second, 100)) << "it was not renewed";
+}
+
 }  // namespace
 }  // namespace allan_lio
