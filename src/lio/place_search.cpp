@@ -40,13 +40,13 @@ Eigen::Vector4d sigmas_of(const PoseMatrix& covariance, const LioState& state) {
 }
 
 /// The best coarse step, refined if enough points fit there and it is not none.
-PlaceCandidate best_of(const PlaceTrial& trial) {
+PlaceCandidate best_of(PlaceTrial& trial) {
   const PlaceCandidate coarse = *trial.best_on_grid(PlaceOffset::Zero(), 0.0);
   const bool fits = coarse.fit >= kLeastShare * static_cast<double>(trial.points());
   return fits && !coarse.at.isZero(0.0) ? trial.refine(coarse.at) : coarse;
 }
 
-WeighedPlace weigh(const PlaceCandidate& place, const PlaceCandidate& here, const PlaceTrial& trial) {
+WeighedPlace weigh(const PlaceCandidate& place, const PlaceCandidate& here, PlaceTrial& trial) {
   const double over_here = place.told - here.told;
   WeighedPlace out{place, {over_here, over_here}, {place.prior - here.prior, 0.0}};
   const std::optional<PlaceCandidate> apart = trial.best_on_grid(place.at, kApart);
@@ -80,7 +80,7 @@ std::optional<Place> PlaceSearch::look(const std::vector<Eigen::Vector3f>& point
   looked_at_ = state.nav.stamp;
   if (!follow_drift(state, absolute, estimate_extrinsics) || !drift_) return std::nullopt;
 
-  const PlaceTrial trial(points_imu, state, map, drift_->last_epoch, drift_->sigmas);
+  PlaceTrial trial(points_imu, state, map, drift_->last_epoch, drift_->sigmas);
   if (trial.points() < kLeastPoints) return std::nullopt;
   const double points = static_cast<double>(trial.points());
   const PlaceCandidate here = trial.judge(PlaceOffset::Zero());
@@ -105,7 +105,7 @@ std::optional<Place> PlaceSearch::look(const std::vector<Eigen::Vector3f>& point
 }
 
 std::optional<PlaceCandidate> PlaceSearch::add_up(const std::optional<WeighedPlace>& speaks, const PlaceCandidate& here,
-                                                  const PlaceTrial& trial, const LioState& state) {
+                                                  PlaceTrial& trial, const LioState& state) {
   const Eigen::Vector3d& position = state.nav.T_world_imu.translation;
   if (sighting_ && seconds_between(sighting_->stamp, state.nav.stamp) > kTogether) sighting_.reset();
   if (sighting_) {

@@ -48,19 +48,24 @@ class PlaceTrial {
   /// Of a turn by one radian the way of a point at the lever [m], which is the scan's own.
   double lever() const { return lever_; }
 
-  PlaceCandidate judge(const PlaceOffset& at) const { return judge(at, kFine, points_); }
+  PlaceCandidate judge(const PlaceOffset& at) const;
 
   /// Of the coarse steps within reach, or within what of it can be looked through, by a part of the points: the best
-  /// that lies at least `apart` [m] from `from`.
-  std::optional<PlaceCandidate> best_on_grid(const PlaceOffset& from, double apart) const;
+  /// that lies at least `apart` [m] from `from`. They are tried once.
+  std::optional<PlaceCandidate> best_on_grid(const PlaceOffset& from, double apart);
 
   /// The best of those half a coarse step around, from where it climbs by ever smaller steps along each axis.
   PlaceCandidate refine(const PlaceOffset& from) const;
 
  private:
   void choose_points(const std::vector<Eigen::Vector3f>& points);
-  /// `fit` as if all points had been tried.
-  PlaceCandidate judge(const PlaceOffset& at, double tolerance, const std::vector<Eigen::Vector3d>& points) const;
+  /// Fills grid_.
+  void try_grid();
+  /// Adds to the grid's fits how well this point fits there.
+  void try_point(const Eigen::Vector3d& q, const std::vector<Eigen::Matrix3d>& rotations, OldPlaneBox& box);
+  Eigen::Matrix3d rotation_at(double turn) const;
+  /// `fit` of so many points becomes that of all; what they tell, and the prior, follow.
+  void complete(std::size_t points, PlaceCandidate& candidate) const;
   std::array<int, 4> steps_within_reach() const;
 
   RigidTransform pose_;
@@ -71,6 +76,7 @@ class PlaceTrial {
   PlaceOffset sigmas_ = PlaceOffset::Zero();
   double lever_ = 1.0;  ///< root mean square of the points' horizontal distances [m]
   std::vector<Eigen::Vector3d> points_, few_;
+  std::vector<PlaceCandidate> grid_;  ///< empty until it is asked for
 };
 
 }  // namespace allan_lio

@@ -24,7 +24,7 @@ constexpr double kMaxStructure = 0.06;      ///< of the edge
 constexpr double kLeastAspect = 3.0;
 constexpr std::uint32_t kMinPoints = 8;
 constexpr std::uint32_t kMaxIndependent = 100;
-constexpr std::size_t kRenewedAtOnce = 256;
+constexpr std::size_t kRenewedIn = 64;  ///< scans
 
 class PlaneVoxelMap : public VoxelMap {
  public:
@@ -66,6 +66,15 @@ class PlaneVoxelMap : public VoxelMap {
     const VoxelCoordinates home = voxel_of(point, store_.inverse_edge());
     if (!sieve_.may_be_near(home, old_planes.last_epoch)) return nullptr;
     return find_old_plane(store_, point, sensor, old_planes);
+  }
+
+  void gather_old(const Eigen::AlignedBox3d& box, std::uint32_t last_epoch, OldPlaneBox& out) const override {
+    out.begin(box, store_.inverse_edge());
+    const VoxelCoordinates low = out.low(), high = out.high();
+    for (int x = low.x; x <= high.x; ++x)
+      for (int y = low.y; y <= high.y; ++y)
+        for (int z = low.z; z <= high.z; ++z)
+          if (sieve_.may_be_near({x, y, z}, last_epoch)) out.put({x, y, z}, old_cube(store_, {x, y, z}, last_epoch));
   }
 
   void clear() override {
@@ -111,7 +120,7 @@ class PlaneVoxelMap : public VoxelMap {
 
   /// Some of the voxels, the next ones in turn, so that every scan costs the same.
   void renew_sieve() {
-    const std::size_t end = std::min(renewed_ + kRenewedAtOnce, store_.size());
+    const std::size_t end = std::min(renewed_ + store_.size() / kRenewedIn + 1, store_.size());
     for (; renewed_ < end; ++renewed_) {
       const PlaneVoxel& voxel = store_[renewed_];
       if (voxel.is_plane) sieve_.renew(voxel.coordinates, voxel.plane.epoch);

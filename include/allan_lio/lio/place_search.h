@@ -79,7 +79,7 @@ class PlaceSearch {
   bool follow_drift(const LioState& state, const AbsoluteCovariance& absolute, bool estimate_extrinsics);
   /// Adds a look to those before. `speaks`: for what place this one does. That place if it is believed now.
   std::optional<PlaceCandidate> add_up(const std::optional<WeighedPlace>& speaks, const PlaceCandidate& here,
-                                       const PlaceTrial& trial, const LioState& state);
+                                       PlaceTrial& trial, const LioState& state);
 
   std::optional<Drift> drift_;
   std::optional<Sighting> sighting_;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "allan_lio/map/old_plane_box.h"
 #include "allan_lio/map/plane.h"
 
 namespace allan_lio {
@@ -46,6 +47,12 @@ class VoxelMap {
   virtual const Plane* find_old(const Eigen::Vector3d& /*point*/, const Eigen::Vector3d& /*sensor*/,
                                 const OldPlanes& /*old_planes*/) const {
     return nullptr;
+  }
+
+  /// The old planes, of `last_epoch` or before, in a box [m, world], so that find_old() need not ask the map again for
+  /// each of many places. They stay valid until the next insert(). Safe to call from several threads.
+  virtual void gather_old(const Eigen::AlignedBox3d& /*box*/, std::uint32_t /*last_epoch*/, OldPlaneBox& out) const {
+    out = OldPlaneBox();
   }
 
   virtual void clear() = 0;
