@@ -18,7 +18,7 @@ constexpr double kLeastSigma = 1e-3;   ///< [m], so that nothing is certain
 constexpr double kFinestStep = 0.03;   ///< [m]
 constexpr double kNatsPerPoint = 0.3;  ///< points on one surface err together, so one tells little
 constexpr std::size_t kFewer = 3;      ///< part of the points for coarse steps
-constexpr int kMostPlaces = 5000;      ///< that are looked at; some 15 ms
+constexpr int kMostPlaces = 5000;      ///< that are looked at; some 15 ms, 66 where boxes are too large
 
 /// Logarithm of the probability of an error of so many sigma, squared: Student's distribution.
 double log_prior(double squared_sigmas) { return -2.0 * std::log1p(squared_sigmas / 3.0); }
@@ -118,13 +118,15 @@ void PlaceTrial::try_point(const Eigen::Vector3d& q, const std::vector<Eigen::Ma
     const Eigen::Vector3d point = rotation * q + pose_.translation;
     reached.extend(point - farthest).extend(point + farthest);
   }
-  map_.gather_old(reached, last_epoch_, box);
-  if (box.empty()) return;
+  const bool gathered = map_.gather_old(reached, last_epoch_, box);
+  if (gathered && box.empty()) return;
+  const OldPlanes near{kCoarse, last_epoch_};
   for (std::size_t i = 0; i < grid_.size(); ++i) {
     PlaceCandidate& candidate = grid_[i];
     const Eigen::Vector3d translation = pose_.translation + candidate.at.head<3>();
     const Eigen::Vector3d point = rotations[i % rotations.size()] * q + translation;
-    if (const Plane* plane = box.find(point, translation, kCoarse)) candidate.fit += fit_of(*plane, point, kCoarse);
+    const Plane* plane = gathered ? box.find(point, translation, kCoarse) : map_.find_old(point, translation, near);
+    if (plane) candidate.fit += fit_of(*plane, point, kCoarse);
   }
 }
 

@@ -2,10 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "allan_lio/map/old_plane_box.h"
 #include "allan_lio/map/plane.h"
-#include "allan_lio/map/voxel_map.h"
-#include "allan_lio/map/voxel_store.h"
+#include "allan_lio/map/voxel_index.h"
 
 namespace allan_lio {
 
@@ -19,12 +17,5 @@ struct PlaneVoxel {
   PlaneSums sums;  ///< about the voxel's center
   Plane plane;
 };
-
-/// The old planes in a cube: those of `last_epoch` or before.
-OldCube old_cube(const VoxelStore<PlaneVoxel>& store, const VoxelCoordinates& c, std::uint32_t last_epoch);
-
-/// VoxelMap::find_old() in the voxels up to one edge around the point.
-const Plane* find_old_plane(const VoxelStore<PlaneVoxel>& store, const Eigen::Vector3d& point,
-                            const Eigen::Vector3d& sensor, const OldPlanes& old_planes);
 
 }  // namespace allan_lio

@@ -6,6 +6,7 @@
 #include "allan_lio/map/epoch_sieve.h"
 #include "allan_lio/map/voxel_map.h"
 #include "allan_lio/map/voxel_store.h"
+#include "old_plane.h"
 #include "plane_voxel.h"
 
 namespace allan_lio {
@@ -24,7 +25,7 @@ constexpr double kMaxStructure = 0.06;      ///< of the edge
 constexpr double kLeastAspect = 3.0;
 constexpr std::uint32_t kMinPoints = 8;
 constexpr std::uint32_t kMaxIndependent = 100;
-constexpr std::size_t kRenewedIn = 64;  ///< scans
+constexpr std::size_t kRenewedIn = 64;  ///< insertions
 
 class PlaneVoxelMap : public VoxelMap {
  public:
@@ -68,13 +69,8 @@ class PlaneVoxelMap : public VoxelMap {
     return find_old_plane(store_, point, sensor, old_planes);
   }
 
-  void gather_old(const Eigen::AlignedBox3d& box, std::uint32_t last_epoch, OldPlaneBox& out) const override {
-    out.begin(box, store_.inverse_edge());
-    const VoxelCoordinates low = out.low(), high = out.high();
-    for (int x = low.x; x <= high.x; ++x)
-      for (int y = low.y; y <= high.y; ++y)
-        for (int z = low.z; z <= high.z; ++z)
-          if (sieve_.may_be_near({x, y, z}, last_epoch)) out.put({x, y, z}, old_cube(store_, {x, y, z}, last_epoch));
+  bool gather_old(const Eigen::AlignedBox3d& box, std::uint32_t last_epoch, OldPlaneBox& out) const override {
+    return gather_old_planes(store_, sieve_, box, last_epoch, out);
   }
 
   void clear() override {
@@ -113,12 +109,12 @@ class PlaneVoxelMap : public VoxelMap {
 
   void make_room(const Eigen::Vector3d& sensor) {
     refit_touched();
-    store_.make_room(sensor, options_.radius);
+    const std::vector<std::uint32_t> kept = store_.make_room(sensor, options_.radius);
     for (std::size_t i = 0; i < store_.size(); ++i) store_[i].plane.group = static_cast<std::uint32_t>(i);
-    renewed_ = 0;
+    renewed_ = static_cast<std::size_t>(std::lower_bound(kept.begin(), kept.end(), renewed_) - kept.begin());
   }
 
-  /// Some of the voxels, the next ones in turn, so that every scan costs the same.
+  /// Some of the voxels, the next ones in turn, so that every insertion costs the same.
   void renew_sieve() {
     const std::size_t end = std::min(renewed_ + store_.size() / kRenewedIn + 1, store_.size());
     for (; renewed_ < end; ++renewed_) {

@@ -69,7 +69,7 @@ std::optional<CloudView> read_point_cloud(const std::uint8_t* bytes, std::size_t
   stream.next(head.is_bigendian);
   stream.next(head.point_step);
   stream.next(head.row_step);
-  head.is_dense = bytes[walk.size() - 1];
+  head.is_dense = out.data[out.size];
   return out;
 }
 

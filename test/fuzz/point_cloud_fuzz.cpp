@@ -1,7 +1,6 @@
 // Copyright 2026 the allan_lio authors
 // SPDX-License-Identifier: BSD-3-Clause
 // sensor_msgs/PointCloud2 as its bytes come from a bag or a topic. First two bytes: which of the options.
-#include <algorithm>
 #include <cmath>
 #include <iterator>
 
@@ -51,18 +50,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   FuzzInput input(data, size);
   const auto choice = input.take<std::uint8_t>();
   const LioConfig::Lidar lidar = options(choice, input.take<std::uint8_t>());
-  const std::optional<CloudView> view = read_point_cloud(input.data(), input.size());
+  std::optional<CloudView> view = read_point_cloud(input.data(), input.size());
   if (!view) return 0;
   sensor_msgs::PointCloud2 cloud;
   ros::serialization::IStream stream(const_cast<std::uint8_t*>(input.data()), static_cast<std::uint32_t>(input.size()));
   ros::serialization::deserialize(stream, cloud);  // must not throw: read_point_cloud() has said so
-  must(cloud.data.size() == view->size && std::equal(cloud.data.begin(), cloud.data.end(), view->data));
-  CloudDecoder decoder(lidar);
+  view->head.data.assign(view->data, view->data + view->size);
+  must(view->head == cloud);
+  CloudDecoder of_bytes(lidar), of_message(lidar);
   const RawCloud raw{ros::message_traits::datatype<sensor_msgs::PointCloud2>(),
                      ros::message_traits::md5sum<sensor_msgs::PointCloud2>(), input.data(), input.size()};
   for (int again = 0; again < 2; ++again) {
-    const DecodedCloud decoded = again ? decoder.decode(cloud) : decoder.decode(raw);
+    const DecodedCloud decoded = of_bytes.decode(raw), other = of_message.decode(cloud);
     must(decoded.scan.has_value() == decoded.error.empty());
+    must(decoded.error == other.error && decoded.scan.has_value() == other.scan.has_value());
+    must(!decoded.scan || decoded.scan->points.size() == other.scan->points.size());
     if (decoded.scan) check(*decoded.scan, lidar);
   }
   return 0;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 #include "allan_lio/lio/iterated_update.h"
@@ -84,7 +85,7 @@ TEST(OldPlanes, ABoxOfThemTellsOfEveryPointInItWhatTheMapTells) {
     Eigen::AlignedBox3d points(in(all));
     points.extend(points.min() + Eigen::Vector3d(unit(random), unit(random), unit(random)));
     const Eigen::Vector3d aside = Eigen::Vector3d::Constant(std::min(reach, kOptions.voxel_size));
-    map->gather_old({points.min() - aside, points.max() + aside}, kLookFor.last_epoch, box);
+    ASSERT_TRUE(map->gather_old({points.min() - aside, points.max() + aside}, kLookFor.last_epoch, box));
     empty += box.empty() ? 1 : 0;
     for (int k = 0; k < 30; ++k) {
       const Eigen::Vector3d point = k == 0 ? points.min() : k == 1 ? points.max() : in(points), sensor = in(all);
@@ -99,26 +100,48 @@ TEST(OldPlanes, ABoxOfThemTellsOfEveryPointInItWhatTheMapTells) {
   EXPECT_GT(beyond, 30) << "or no young plane was ever in reach";
 }
 
-TEST(OldPlanes, AMapWithoutPlanesGathersNone) {
-  const auto map = make_point_voxel_map(kOptions);
-  map->insert(wall(2.25, 3.0, 4000, 1), Eigen::Vector3d::Zero(), kOld);
-  const Eigen::Vector3d corner = Eigen::Vector3d::Constant(3.0);
+TEST(OldPlanes, OfTheBoxBeforeNothingIsLeft) {
+  const Eigen::Vector3d corner = Eigen::Vector3d::Constant(3.0), sensor = Eigen::Vector3d::Zero(), at(2.3, 0.2, 0.2);
+  const auto map = make_plane_voxel_map(kOptions), points = make_point_voxel_map(kOptions);
+  map->insert(wall(2.25, 3.0, 40000, 1), sensor, kOld);
+  points->insert(wall(2.25, 3.0, 4000, 1), sensor, kOld);
   OldPlaneBox box;
-  map->gather_old({-corner, corner}, kYoung, box);
+  const auto has_any = [&](const VoxelMap& asked, const Eigen::AlignedBox3d& of) {
+    EXPECT_TRUE(asked.gather_old(of, kYoung, box));
+    EXPECT_EQ(box.empty(), box.find(at, sensor, 0.3) == nullptr);
+    return !box.empty();
+  };
+  EXPECT_TRUE(has_any(*map, {-corner, corner}));
+  EXPECT_FALSE(has_any(*points, {-corner, corner})) << "it has no planes";
+  EXPECT_TRUE(has_any(*map, {-corner, corner}));
+  EXPECT_FALSE(has_any(*map, {-corner, Eigen::Vector3d::Zero()}));
+}
+
+TEST(OldPlanes, ABoxThatIsTooLargeOrTooFarAwayIsRefused) {
+  const auto map = make_plane_voxel_map(kOptions);
+  const Eigen::Vector3d one = Eigen::Vector3d::Ones();
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  OldPlaneBox box;
+  EXPECT_TRUE(map->gather_old({-4.0 * one, 4.0 * one}, kOld, box));
+  EXPECT_FALSE(map->gather_old({-50.0 * one, 50.0 * one}, kOld, box));
+  EXPECT_FALSE(map->gather_old({1e12 * one, 1e12 * one}, kOld, box));
+  EXPECT_FALSE(map->gather_old({-infinity * one, infinity * one}, kOld, box));
+  EXPECT_FALSE(map->gather_old({nan * one, nan * one}, kOld, box));
+  EXPECT_FALSE(map->gather_old({one, -one}, kOld, box)) << "nothing lies in it";
   EXPECT_TRUE(box.empty());
-  EXPECT_EQ(box.find({2.3, 0.2, 0.2}, Eigen::Vector3d::Zero(), 0.3), nullptr);
 }
 
 TEST(OldPlanes, AreStillFoundWhenTheRunHasGoneFarAndIsBack) {
   const auto map = make_plane_voxel_map(kOptions);
   map->insert(wall(2.25, 3.0, 40000, 1), Eigen::Vector3d::Zero(), kOld);
   const Eigen::Vector3d beside(2.65, 0.2, 0.2), sensor = Eigen::Vector3d::Zero();
-  for (std::uint32_t i = 0; i < 150; ++i) {
+  for (std::uint32_t i = 0; i < 200; ++i) {
     const Eigen::Vector3d way(0.0, 6.0 * (i + 1), 0.0);
-    map->insert(moved(wall(2.25, 3.0, 2000, 10 + i), way), way, kYoung + i);
+    const bool goes_on = i < 60;
+    map->insert(goes_on ? moved(wall(2.25, 3.0, 2000, 10 + i), way) : std::vector<Eigen::Vector3d>{}, way, kYoung + i);
     ASSERT_NE(map->find_old(beside, sensor, kLookFor), nullptr) << i;
   }
-  EXPECT_GT(map->voxels(), 10000U);
+  EXPECT_GT(map->voxels(), 5000U);
 }
 
 TEST(OldPlanes, AreStillFoundWhenAFullMapHasMadeRoom) {

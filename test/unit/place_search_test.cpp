@@ -260,31 +260,43 @@ TEST_F(CameBack, NotEveryScanIsTried) {
   EXPECT_TRUE(look(drifted_));
 }
 
-/// Finds nothing, and counts how often and for how much it was asked.
+/// Finds nothing, and counts how often it was asked.
 class EmptyMap : public VoxelMap {
  public:
+  explicit EmptyMap(bool gathers) : gathers_(gathers) {}
+
   void insert(const std::vector<Eigen::Vector3d>&, const Eigen::Vector3d&, std::uint32_t) override {}
   const Plane* find(const Eigen::Vector3d&, Plane&) const override { return nullptr; }
-  void gather_old(const Eigen::AlignedBox3d& box, std::uint32_t, OldPlaneBox& out) const override {
-    out.begin(box, 2.0);
-    largest = std::max(largest, box.volume());
+  const Plane* find_old(const Eigen::Vector3d&, const Eigen::Vector3d&, const OldPlanes&) const override {
+    ++asked;
+    return nullptr;
+  }
+  bool gather_old(const Eigen::AlignedBox3d&, std::uint32_t, OldPlaneBox&) const override {
     ++gathered;
+    return gathers_;
   }
   void clear() override {}
   std::size_t voxels() const override { return 1; }
   std::size_t bytes() const override { return 0; }
   std::vector<Eigen::Vector3d> points() const override { return {}; }
 
-  mutable int gathered = 0;
-  mutable double largest = 0.0;  // box [m^3]
+  mutable int asked = 0, gathered = 0;
+
+ private:
+  bool gathers_;
 };
 
 TEST_F(CameBack, ALookIsBoundedHoweverUncertainThePose) {
-  const EmptyMap map;
-  EXPECT_FALSE(search_.look(scan_, state_, map, drifted_by(covariance_of({1.9, 1.9, 1.9}, 1.0)), false));
-  EXPECT_EQ(map.gathered, 50) << "once for a third of the points";
-  EXPECT_GT(map.largest, 20.0);
-  EXPECT_LT(map.largest, 60.0);
+  const AbsoluteCovariance lost = drifted_by(covariance_of({1.9, 1.9, 1.9}, 1.0));
+  const EmptyMap map(false);
+  EXPECT_FALSE(search_.look(scan_, state_, map, lost, false));
+  EXPECT_GT(map.asked, 150'000);
+  EXPECT_LT(map.asked, 300'000);
+  const EmptyMap gathers(true);
+  search_ = PlaceSearch();
+  EXPECT_FALSE(search_.look(scan_, state_, gathers, lost, false));
+  EXPECT_EQ(gathers.gathered, 50) << "once for a third of the points";
+  EXPECT_LT(gathers.asked, 1000);
 }
 
 TEST_F(CameBack, PlacesThatFitAlikeAreNotChosenBetween) {

@@ -49,7 +49,7 @@ class EpochSieve {
   static constexpr std::size_t bytes() { return 2 * kCells * sizeof(std::uint32_t); }
 
  private:
-  static constexpr std::size_t kCells = std::size_t{1} << 15U;
+  static constexpr std::size_t kCells = std::size_t{1} << 14U;
   static constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
   static constexpr int kBits = 2;  // a block's edge is 4 voxels
 

@@ -24,8 +24,9 @@ struct OldCube {
 /// The old planes in a box, for one point that is tried at many places in it: the map is asked once for each cube.
 class OldPlaneBox {
  public:
-  /// Empties it and makes room for the cubes that touch the box [m, world].
-  void begin(const Eigen::AlignedBox3d& box, double inverse_edge);
+  /// Empties it and makes room for the cubes that touch the box [m, world]. False if they are too many, or too far
+  /// away.
+  bool begin(const Eigen::AlignedBox3d& box, double inverse_edge);
   VoxelCoordinates low() const { return {low_[0], low_[1], low_[2]}; }
   VoxelCoordinates high() const { return {low_[0] + size_[0] - 1, low_[1] + size_[1] - 1, low_[2] + size_[2] - 1}; }
   /// The cube lies between low() and high().

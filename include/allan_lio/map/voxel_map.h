@@ -50,9 +50,11 @@ class VoxelMap {
   }
 
   /// The old planes, of `last_epoch` or before, in a box [m, world], so that find_old() need not ask the map again for
-  /// each of many places. They stay valid until the next insert(). Safe to call from several threads.
-  virtual void gather_old(const Eigen::AlignedBox3d& /*box*/, std::uint32_t /*last_epoch*/, OldPlaneBox& out) const {
+  /// each of many places. They stay valid until the next insert() or clear(). False if the box is too large for that.
+  /// Safe to call from several threads.
+  virtual bool gather_old(const Eigen::AlignedBox3d& /*box*/, std::uint32_t /*last_epoch*/, OldPlaneBox& out) const {
     out = OldPlaneBox();
+    return true;
   }
 
   virtual void clear() = 0;

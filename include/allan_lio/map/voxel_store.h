@@ -52,8 +52,8 @@ class VoxelStore {
   bool is_full() const { return size_ + kMostPerPoint > max_voxels_; }
 
   /// Forgets the voxels beyond `radius` of `center`, and then the farthest until a fifth is free.
-  /// The voxels' numbers change.
-  void make_room(const Eigen::Vector3d& center, double radius) {
+  /// The voxels' numbers change: returns which ones are left, ascending, by the numbers that they had.
+  std::vector<std::uint32_t> make_room(const Eigen::Vector3d& center, double radius) {
     std::vector<std::pair<double, std::uint32_t>> by_distance(size_);
     for (std::size_t i = 0; i < size_; ++i)
       by_distance[i] = {(voxel_center((*this)[i].coordinates) - center).squaredNorm(), static_cast<std::uint32_t>(i)};
@@ -66,6 +66,7 @@ class VoxelStore {
     for (const auto& entry : by_distance) kept.push_back(entry.second);
     std::sort(kept.begin(), kept.end());
     compact(kept);
+    return kept;
   }
 
   void clear() { compact({}); }

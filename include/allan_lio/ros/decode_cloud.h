@@ -13,6 +13,7 @@
 #include "allan_lio/lidar/scan.h"
 #include "allan_lio/lio/lio_config.h"
 #include "allan_lio/ros/cloud_layout.h"
+#include "allan_lio/ros/cloud_wire.h"
 #include "allan_lio/ros/raw_cloud.h"
 
 namespace allan_lio {
