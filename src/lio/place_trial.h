@@ -48,6 +48,7 @@ class PlaceTrial {
   /// Of a turn by one radian the way of a point at the lever [m], which is the scan's own.
   double lever() const { return lever_; }
 
+  /// By all points that are tried; one fits within kFine.
   PlaceCandidate judge(const PlaceOffset& at) const;
 
   /// Of the coarse steps within reach, or within what of it can be looked through, by a part of the points: the best
