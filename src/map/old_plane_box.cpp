@@ -8,7 +8,7 @@ namespace allan_lio {
 namespace {
 
 constexpr double kRounding = 1e-6;       ///< of the edge, by which a box is larger than asked for
-constexpr double kMostCubes = 10'000.0;  ///< 160 kB, and about what as many single look-ups take
+constexpr double kMostCubes = 10'000.0;  ///< 160 kB; a box of 4 m at edges of 0.5 m has 1000
 constexpr double kFarthest = 1 << 20;    ///< cubes from the origin: voxel_key()'s
 
 }  // namespace

@@ -24,8 +24,8 @@ struct OldCube {
 /// The old planes in a box, for one point that is tried at many places in it: the map is asked once for each cube.
 class OldPlaneBox {
  public:
-  /// Empties it and makes room for the cubes that touch the box [m, world]. False if they are too many, or too far
-  /// away.
+  /// Empties it and makes room for the cubes that touch the box [m, world], `inverse_edge` [1/m]. False if they are too
+  /// many, or too far away.
   bool begin(const Eigen::AlignedBox3d& box, double inverse_edge);
   VoxelCoordinates low() const { return {low_[0], low_[1], low_[2]}; }
   VoxelCoordinates high() const { return {low_[0] + size_[0] - 1, low_[1] + size_[1] - 1, low_[2] + size_[2] - 1}; }
@@ -35,13 +35,14 @@ class OldPlaneBox {
   /// No plane in it.
   bool empty() const { return empty_; }
 
-  /// What VoxelMap::find_old() finds for this point; what lies within `reach` [m] of it must be in the box.
+  /// What VoxelMap::find_old() finds for this point, seen from `sensor` [m, world]; what lies within `reach` [m] of the
+  /// point must be in the box.
   const Plane* find(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, double reach) const;
 
  private:
   std::size_t number_of(int x, int y, int z) const;
 
-  double inverse_edge_ = 1.0;
+  double inverse_edge_ = 1.0;  ///< [1/m]
   std::array<int, 3> low_{}, size_{};
   std::vector<OldCube> cubes_;
   bool empty_ = true;
